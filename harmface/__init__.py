@@ -1,0 +1,38 @@
+"""Spherical harmonics of diffuse objects under any distant light.
+
+Subpackages load on first use, so that `import harmface` stays light.
+"""
+
+import importlib
+from types import ModuleType
+
+from harmface.errors import HarmfaceError
+
+__version__ = "0.1.0"
+
+_SUBPACKAGES = (
+    "conventions",
+    "geometry",
+    "io",
+    "light",
+    "pca",
+    "recognition",
+    "reflectance",
+    "rendering",
+    "reproduce",
+    "sphere",
+    "stereo",
+    "viz",
+)
+
+__all__ = ["HarmfaceError", "__version__", *_SUBPACKAGES]
+
+
+def __getattr__(name: str) -> ModuleType:
+    if name in _SUBPACKAGES:
+        return importlib.import_module(f"harmface.{name}")
+    raise AttributeError(f"module 'harmface' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

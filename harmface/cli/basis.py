@@ -1,0 +1,58 @@
+"""`harmface basis`: the harmonic images of a mesh."""
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from harmface import checks
+from harmface.cli.common import (
+    MeshArgument,
+    SizeOption,
+    SrgbColorsOption,
+    TextureOption,
+    load_mesh,
+    output,
+)
+
+KIND, VERSION = "basis", 1
+
+
+def basis(
+    mesh: MeshArgument,
+    out: Annotated[Path, typer.Option(help="NPZ file: basis (K,H,W), normals, albedo, mask.")],
+    size: SizeOption = 256,
+    degree: Annotated[int, typer.Option(help="Highest degree of the harmonics.")] = 2,
+    figure: Annotated[
+        Path | None, typer.Option(help="PNG: green above zero, blue below, a row a degree.")
+    ] = None,
+    texture: TextureOption = None,
+    srgb_colors: SrgbColorsOption = False,
+) -> None:
+    """Render the harmonic images albedo A_l Y_lm(n) of a mesh, seen from the front.
+
+    Example: harmface basis head.glb --size 256 --degree 2 --out basis.npz --figure basis.png
+    """
+    from harmface.conventions import luminance
+    from harmface.geometry import frame_orthographic, gbuffer
+    from harmface.io import write_npz
+    from harmface.rendering import harmonic_images
+
+    checks.degree("degree", degree)
+    surface = load_mesh(mesh, texture, srgb_colors)
+    view = gbuffer(surface, frame_orthographic(surface, size), supersampling=2)
+    albedo = luminance(view.albedo)
+    images = harmonic_images(view.normals, albedo, degree)
+    if figure is not None:
+        from harmface.viz import basis_figure, write_figure
+
+        write_figure(figure, basis_figure(images, view.mask))
+    arrays = {"basis": images, "normals": view.normals, "albedo": albedo, "mask": view.mask}
+    write_npz(out, KIND, VERSION, {k: _single(v) for k, v in arrays.items()}, {"degree": degree})
+    output.print(f"{len(images)} images of {size} x {size} pixels in {out}")
+
+
+def _single(array: np.ndarray) -> np.ndarray:
+    """Return float64 as float32: a file for other programs needs no more."""
+    return array.astype(np.float32) if array.dtype == np.float64 else array

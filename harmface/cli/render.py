@@ -1,0 +1,108 @@
+"""`harmface render`: a picture of a mesh under lamps or an environment map."""
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from harmface.cli.common import (
+    MeshArgument,
+    SizeOption,
+    SrgbColorsOption,
+    TextureOption,
+    load_mesh,
+    output,
+    progress,
+)
+from harmface.conventions import light_direction
+from harmface.errors import ArgumentError
+
+SUPERSAMPLING = 2
+ENVIRONMENT_DIRECTIONS = 600
+PART = 16
+"""Directions rendered between two reports of progress."""
+
+BRIGHTEST = 0.95
+"""Where automatic exposure puts the 99.5th percentile of the surface, as a share of white."""
+
+
+def render(
+    mesh: MeshArgument,
+    out: Annotated[Path, typer.Option(help="PNG file to write.")],
+    light: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="AZIMUTH,ELEVATION",
+            help="A directional light, degrees right of and above the viewing axis; repeatable.",
+        ),
+    ] = None,
+    environment: Annotated[
+        Path | None, typer.Option(help="Lat-long environment map, .hdr or .pfm.")
+    ] = None,
+    cast_shadows: Annotated[bool, typer.Option(help="Whether the mesh shadows itself.")] = True,
+    size: SizeOption = 256,
+    exposure: Annotated[
+        float | None,
+        typer.Option(help="Factor on radiosity; by default the brightest half percent is white."),
+    ] = None,
+    bits: Annotated[int, typer.Option(help="8 or 16 bits a channel.")] = 16,
+    srgb: Annotated[
+        bool, typer.Option("--srgb/--linear", help="Encode for the screen, or keep linear.")
+    ] = False,
+    texture: TextureOption = None,
+    srgb_colors: SrgbColorsOption = False,
+) -> None:
+    """Render a mesh from the front by brute force: no harmonics, shadows by ray casting.
+
+    Values are linear unless --srgb is given; `recognize` expects linear images.
+
+    Example: harmface render head.ply --light 40,20 --size 64 --out probe.png
+    """
+    from harmface.geometry import frame_orthographic, gbuffer
+    from harmface.io import read_environment_map, write_image
+    from harmface.light import DistantLight
+    from harmface.rendering import box_average
+    from harmface.rendering import render as brute_force
+
+    if (light is None) == (environment is None):
+        raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
+    if light is not None:
+        directions = np.stack([_direction(text) for text in light])
+        lamps = DistantLight(directions, np.ones((3, len(directions))))
+    else:
+        assert environment is not None
+        lamps = read_environment_map(environment).as_distant_light(ENVIRONMENT_DIRECTIONS)
+    surface = load_mesh(mesh, texture, srgb_colors)
+    view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
+    albedo = np.moveaxis(view.albedo, -1, 0)
+    image = np.zeros(albedo.shape)
+    count = len(lamps.directions)
+    with progress("rendering") as report:
+        for first in range(0, count, PART):
+            some = slice(first, first + PART)
+            part = DistantLight(lamps.directions[some], lamps.irradiances[..., some])
+            image += brute_force(
+                view, part, albedo=albedo, caster=surface if cast_shadows else None
+            )
+            report(min(first + PART, count) / count)
+    if exposure is None:
+        brightest = np.percentile(image[:, view.mask], 99.5)
+        exposure = BRIGHTEST / brightest if brightest > 0 else 1.0
+    picture = np.moveaxis(box_average(image * exposure, SUPERSAMPLING), 0, -1)
+    write_image(out, picture, bits=bits, srgb=srgb)
+    encoding = "sRGB" if srgb else "linear"
+    output.print(f"{size} x {size} pixels in {out} ({encoding}, exposure {exposure:.4g})")
+
+
+def _direction(text: str) -> np.ndarray:
+    parts = text.split(",")
+    try:
+        azimuth, elevation = (float(part) for part in parts)
+    except ValueError:
+        raise ArgumentError(
+            f"--light must be AZIMUTH,ELEVATION in degrees, such as 40,20, got {text!r}"
+        ) from None
+    if not (np.isfinite(azimuth) and -90 <= elevation <= 90):
+        raise ArgumentError(f"--light needs an elevation from -90 to 90 degrees, got {text!r}")
+    return light_direction(azimuth, elevation)

@@ -1,0 +1,112 @@
+"""What a camera sees of a mesh, pixel by pixel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.sparse import csr_array
+
+from harmface import checks
+from harmface.errors import ArgumentError
+from harmface.geometry.camera import Camera
+from harmface.geometry.mesh import Mesh
+
+MAX_SAMPLES = 2**27
+"""Most rays of one G-buffer: about 20 GB of intermediate arrays."""
+
+
+@dataclass(frozen=True, eq=False)
+class GBuffer:
+    """Geometry and albedo of the surface seen at each pixel; background pixels hold zeros.
+
+    Parameters
+    ----------
+    normals
+        Unit normals in the frame of the mesh.
+    albedo
+        Linear RGB in [0, 1].
+    depth
+        Distance in front of the camera along -z; infinite in the background.
+    position
+        Point on the surface.
+    mask
+        True where the mesh covers at least half the samples of a pixel.
+    camera
+        The view it was taken from.
+    """
+
+    normals: Float[np.ndarray, "H W 3"]
+    albedo: Float[np.ndarray, "H W 3"]
+    depth: Float[np.ndarray, "H W"]
+    position: Float[np.ndarray, "H W 3"]
+    mask: Bool[np.ndarray, "H W"]
+    camera: Camera
+
+
+def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
+    """Cast rays through every pixel and return what they meet first.
+
+    Normals and albedo are interpolated linearly between the vertices. With `supersampling = n`
+    each pixel averages the samples that hit the mesh among n x n; the mean normal is made unit
+    again.
+
+    Parameters
+    ----------
+    mesh
+        The surface.
+    camera
+        The view.
+    supersampling
+        Samples along each side of a pixel.
+
+    Raises
+    ------
+    ArgumentError
+        If no ray meets the mesh, or the picture is larger than memory.
+    """
+    n = checks.positive_integer("supersampling", supersampling)
+    rows, columns = camera.shape
+    if rows * columns * n * n > MAX_SAMPLES:
+        raise ArgumentError(
+            f"shape {camera.shape} with supersampling {n} takes {rows * columns * n * n} rays, "
+            f"more than {MAX_SAMPLES}; ask for a smaller picture"
+        )
+    origins, directions = camera.rays(n)
+    hits = mesh.rays.first_hits(mesh.rays.local(origins), directions)
+    hit = hits.face >= 0
+    if not hit.any():
+        raise ArgumentError("camera must see the mesh, but no ray meets it; use a framing helper")
+    u, v = hits.u[hit].astype(np.float64), hits.v[hit].astype(np.float64)
+    # The samples of a pixel follow one another, so a sparse matrix with a row a pixel both
+    # interpolates between the vertices and sums over the samples, in one pass.
+    samples = hit.reshape(rows * columns, n * n).sum(axis=1)
+    starts = np.concatenate([[0], np.cumsum(3 * samples)])
+    interpolate = csr_array(
+        (
+            np.stack([1 - u - v, u, v], axis=1).reshape(-1),
+            mesh.faces[hits.face[hit]].reshape(-1),
+            starts,
+        ),
+        shape=(rows * columns, len(mesh.vertices)),
+    )
+    attributes = np.concatenate([mesh.normals, mesh.vertices, mesh.albedo], axis=1)
+    seen = interpolate @ attributes.astype(np.float64, copy=False)
+    mask = samples * 2 >= n * n
+    length = np.linalg.norm(seen[:, :3], axis=-1)
+    # Opposite normals in one pixel leave nothing to normalise: no surface to speak of.
+    mask &= length > 1e-6 * samples
+    seen[~mask] = 0
+    divisor = np.where(mask, samples, 1)[:, None]
+    normals = seen[:, :3] / np.where(mask, length, 1)[:, None]
+    position = seen[:, 3:6] / divisor
+    albedo = np.clip(seen[:, 6:] / divisor, 0, 1)
+    depth = np.where(mask, camera.center[2] - position[:, 2], np.inf)
+    image = (rows, columns)
+    return GBuffer(
+        normals.reshape(*image, 3),
+        albedo.reshape(*image, 3),
+        depth.reshape(image),
+        position.reshape(*image, 3),
+        mask.reshape(image),
+        camera,
+    )

@@ -1,0 +1,123 @@
+"""A triangle mesh with unit vertex normals and a linear RGB albedo per vertex."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float, Integer
+
+from harmface import checks
+from harmface.errors import ArgumentError
+from harmface.geometry.rays import RayCaster, used_vertices
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A surface to render: the frame is x right, y up, z towards the viewer.
+
+    Parameters
+    ----------
+    vertices
+        Positions, any unit of length.
+    faces
+        Vertex indices of each triangle, counter-clockwise seen from outside.
+    normals
+        Outward unit normals of the vertices; `vertex_normals` computes them.
+    albedo
+        Linear RGB in [0, 1] of each vertex.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no face, an index has no vertex, or a value is NaN, not of unit length
+        or out of range.
+    """
+
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Integer[np.ndarray, "F 3"]
+    normals: Float[np.ndarray, "V 3"]
+    albedo: Float[np.ndarray, "V 3"]
+
+    def __post_init__(self) -> None:
+        checks.finite("vertices", self.vertices)
+        checked_faces(self.faces, len(self.vertices))
+        checks.unit_vectors("normals", self.normals)
+        checks.non_negative("albedo", self.albedo)
+        if self.albedo.max() > 1:
+            raise ArgumentError(
+                f"albedo must lie in [0, 1], got {self.albedo.max():.4g}; "
+                "divide 8-bit colours by 255"
+            )
+
+    @cached_property
+    def rays(self) -> RayCaster:
+        """The mesh made ready for ray casting, built on first use."""
+        return RayCaster(self.vertices, self.faces)
+
+    @property
+    def bounds(self) -> Float[np.ndarray, "2 3"]:
+        """Least and greatest coordinates of the vertices that faces use."""
+        used = self.vertices[used_vertices(self.faces, len(self.vertices))]
+        return np.stack([used.min(axis=0), used.max(axis=0)])
+
+    def rotated(self, rotation: Float[np.ndarray, "3 3"]) -> "Mesh":
+        """Return the mesh turned about the origin: `R v` for every vertex and normal."""
+        rotation = checks.rotation("rotation", rotation)
+        return Mesh(self.vertices @ rotation.T, self.faces, self.normals @ rotation.T, self.albedo)
+
+
+def checked_faces(
+    faces: Integer[np.ndarray, "F 3"], vertex_count: int
+) -> Integer[np.ndarray, "F 3"]:
+    """Return `faces` if there is at least one and each index names a vertex."""
+    if len(faces) == 0:
+        raise ArgumentError("faces must hold at least one triangle, got none")
+    if faces.min() < 0 or faces.max() >= vertex_count:
+        raise ArgumentError(
+            f"faces must index {vertex_count} vertices, got indices from {faces.min()} "
+            f"to {faces.max()}"
+        )
+    return faces
+
+
+def vertex_normals(
+    vertices: Float[np.ndarray, "V 3"], faces: Integer[np.ndarray, "F 3"]
+) -> Float[np.ndarray, "V 3"]:
+    """Return unit vertex normals: face normals averaged with the corner angles as weights.
+
+    Vertices at the same position share their normal, so that neither a texture seam nor a
+    format without shared vertices (STL) breaks a smooth surface into facets. Corner angles
+    make the result independent of how a surface is cut into triangles (Thurmer and Wuthrich,
+    Computing Vertex Normals from Polygonal Facets, 1998). A vertex without a face that has an
+    area gets (0, 0, 1).
+
+    Parameters
+    ----------
+    vertices
+        Positions, any unit.
+    faces
+        Counter-clockwise triangles.
+    """
+    vertices = checks.finite("vertices", vertices)
+    checked_faces(faces, len(vertices))
+    _, position = np.unique(vertices, axis=0, return_inverse=True)
+    corners = vertices[faces]
+    edges = np.roll(corners, -1, axis=1) - corners
+    normal = np.cross(edges[:, 0], edges[:, 1])
+    lengths = np.linalg.norm(normal, axis=-1, keepdims=True)
+    normal = np.divide(normal, lengths, out=np.zeros_like(normal), where=lengths > 0)
+    back = np.roll(-edges, 1, axis=1)
+    # |a x b| and a . b share the factor |a||b|, so the angle needs neither length.
+    angle = np.arctan2(
+        np.linalg.norm(np.cross(edges, back), axis=-1), np.einsum("fci,fci->fc", edges, back)
+    )
+    weighted = (angle[..., None] * normal[:, None]).reshape(-1, 3)
+    place = position.reshape(-1)[faces].reshape(-1)
+    sums = np.stack(
+        [np.bincount(place, weighted[:, i], minlength=position.max() + 1) for i in range(3)],
+        axis=-1,
+    )
+    lengths = np.linalg.norm(sums, axis=-1, keepdims=True)
+    lost = lengths[:, 0] == 0
+    sums[lost], lengths[lost] = (0.0, 0.0, 1.0), 1.0
+    return (sums / lengths)[position.reshape(-1)].astype(vertices.dtype)

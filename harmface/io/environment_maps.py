@@ -1,0 +1,160 @@
+"""Environment maps from files and to files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from harmface.conventions import map_frame
+from harmface.errors import ArgumentError, FileError
+from harmface.io.exr import read_exr, write_exr
+from harmface.io.images import read_image
+from harmface.io.pfm import read_pfm, write_pfm
+from harmface.io.radiance_hdr import read_radiance_hdr, write_radiance_hdr
+from harmface.light import EnvironmentMap
+from harmface.light.cube_arrangements import (
+    arrangement_of,
+    faces_from_image,
+    faces_from_opengl,
+    image_from_faces,
+    opengl_order_of_cross,
+)
+from harmface.light.layouts import layout_named
+
+_READERS = {
+    ".hdr": read_radiance_hdr,
+    ".pic": read_radiance_hdr,
+    ".pfm": read_pfm,
+    ".exr": read_exr,
+}
+_WRITERS = {".hdr": write_radiance_hdr, ".pfm": write_pfm, ".exr": write_exr}
+
+
+def read_environment_map(
+    path: Path | str | Sequence[Path | str],
+    layout: str = "latlong",
+    *,
+    frame: str | None = None,
+    srgb: bool = False,
+) -> EnvironmentMap:
+    """Read an environment map.
+
+    Parameters
+    ----------
+    path
+        A `.hdr`, `.pfm` or `.exr` file, or a PNG, TIFF or JPEG of 8 or 16 bits. For a cube one
+        image in a cross or strip, told by its ratio of sides, or six files in the order
+        +x -x +y -y +z -z.
+    layout
+        "latlong", "angular", "mirror-ball" or "cube".
+    frame
+        Where the map's maker says its pixels look, see `conventions.MAP_FRAMES`; by default as
+        our layouts.
+    srgb
+        Whether the values are encoded in sRGB, to be made linear; only for images of 8 or 16
+        bits, whose values are taken as linear otherwise.
+
+    Raises
+    ------
+    FileError
+        If the file is missing, broken, too large, holds negative or NaN radiance, or does not
+        look like a map of this layout; the message says why.
+    ArgumentError
+        If there is no such layout or frame.
+    """
+    form = layout_named(layout)
+    matrix = map_frame(layout, frame)
+    name = str(path if isinstance(path, Path | str) else path[0])
+    try:
+        if layout == "cube":
+            image = _read_cube(path, srgb, frame)
+        elif isinstance(path, Path | str):
+            image = _read_pixels(path, srgb)
+        else:
+            raise ArgumentError(f"a {layout} map is one file, got {len(path)}")
+        environment = EnvironmentMap.from_image(image, form, matrix)
+    except ArgumentError as error:
+        raise FileError(f"{name}: {error}") from None
+    _check_corners(name, environment)
+    return environment
+
+
+def write_environment_map(
+    path: Path | str,
+    image: Float[np.ndarray, "..."],
+    *,
+    arrangement: str = "vertical-strip",
+) -> None:
+    """Write a map's image, channels last; the ending of the name says in which format.
+
+    Parameters
+    ----------
+    path
+        A name that ends in `.hdr`, `.pfm` or `.exr`.
+    image
+        `(H, W)` or `(H, W, 3)` linear values, or a cube's faces `(6, N, N)` or `(6, N, N, 3)`.
+    arrangement
+        How a cube's faces are laid out, see `light.ARRANGEMENTS`.
+
+    Raises
+    ------
+    FileError
+        If the ending is another or the file cannot be written.
+    """
+    write = _WRITERS.get(Path(path).suffix.lower())
+    if write is None:
+        raise FileError(f"{path}: the name must end in {', '.join(_WRITERS)}")
+    is_cube = image.shape[0] == 6 and image.ndim >= 3 and image.shape[1] == image.shape[2]
+    write(path, image_from_faces(image, arrangement) if is_cube else image)
+
+
+def _read_pixels(path: Path | str, srgb: bool) -> Float[np.ndarray, "H W *channels"]:
+    read = _READERS.get(Path(path).suffix.lower())
+    if read is None:
+        return read_image(path, srgb=srgb)
+    if srgb:
+        raise ArgumentError(f"srgb was asked for, but {path} holds linear values")
+    return read(path)
+
+
+def _read_cube(
+    path: Path | str | Sequence[Path | str], srgb: bool, frame: str | None
+) -> Float[np.ndarray, "6 N N *channels"]:
+    """Read six faces from six files, or from a cross or strip, and turn them our way."""
+    opengl = frame in ("opengl", "three.js")
+    if isinstance(path, Path | str):
+        image = _read_pixels(path, srgb)
+        faces = faces_from_image(image)
+        if opengl and arrangement_of(image.shape).endswith("cross"):
+            faces = opengl_order_of_cross(faces)
+    else:
+        faces = _read_faces(path, srgb)
+    return faces_from_opengl(faces) if opengl else faces
+
+
+def _read_faces(paths: Sequence[Path | str], srgb: bool) -> Float[np.ndarray, "6 N N *channels"]:
+    if len(paths) != 6:
+        raise ArgumentError(f"a cube is one cross or strip or six faces, got {len(paths)} files")
+    faces = [_read_pixels(path, srgb) for path in paths]
+    for path, face in zip(paths, faces, strict=True):
+        if face.shape != faces[0].shape:
+            raise FileError(
+                f"{path}: a cube's faces have one size, but this has shape {face.shape} and "
+                f"{paths[0]} {faces[0].shape}"
+            )
+    return np.stack(faces)
+
+
+def _check_corners(name: str, environment: EnvironmentMap) -> None:
+    """Refuse a square image whose corners, which a disc leaves empty, are as bright as the rest."""
+    outside = environment.solid_angles == 0
+    if not outside.any():
+        return
+    corners = environment.radiance[..., outside].mean()
+    inside = environment.radiance[..., ~outside].mean()
+    if corners > inside / 2:
+        raise FileError(
+            f"{name}: is no {environment.layout.name} map: the corners outside its disc are not "
+            f"dark (mean {corners:.3g}, {inside:.3g} inside); it may be one face of a cube"
+        )

@@ -1,0 +1,97 @@
+"""Linear subspaces of images and the distance of an image to them.
+
+References
+----------
+.. [BJ03] Basri and Jacobs, Lambertian Reflectance and Linear Subspaces, PAMI 2003.
+.. [R05] Ramamoorthi, Modeling Illumination Variation with Spherical Harmonics, 2005.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from harmface import checks
+from harmface.errors import ArgumentError
+
+HARMONICS_OF = {"3d": slice(1, 4), "4d": slice(0, 4), "9d": slice(0, 9)}
+"""Flat indices of the harmonic images that span each subspace: scaled normals without and with
+the ambient term ([R05]_ 0.2.2), and all to degree 2 ([BJ03]_)."""
+
+
+def orthonormal_basis(
+    images: Float[np.ndarray, "*subjects n p"], dimension: int
+) -> Float[np.ndarray, "*subjects d p"]:
+    """Return orthonormal rows that span the images as well as `dimension` rows can.
+
+    They are the leading right singular vectors; where the images span fewer dimensions the
+    remaining rows are zero, so that they take no part in a projection.
+
+    Parameters
+    ----------
+    images
+        Images of each subject as rows of pixels: at least `dimension` of them.
+    dimension
+        Dimension of the subspace.
+
+    Raises
+    ------
+    ArgumentError
+        If there are fewer images than dimensions, or a subject whose images are all black.
+    """
+    images = checks.finite("images", images)
+    dimension = checks.positive_integer("dimension", dimension)
+    count, pixels = images.shape[-2:]
+    if count < dimension:
+        raise ArgumentError(
+            f"images must number at least {dimension} for a {dimension}-D subspace, got {count}; "
+            "give more images or a lower dimension"
+        )
+    _, values, rows = np.linalg.svd(images, full_matrices=False)
+    if (values[..., 0] == 0).any():
+        raise ArgumentError("images of a subject must not all be black")
+    rows, values = rows[..., :dimension, :], values[..., :dimension]
+    noise = values[..., :1] * max(count, pixels) * np.finfo(images.dtype).eps
+    rows = np.where((values > noise)[..., None], rows, 0)
+    missing = dimension - rows.shape[-2]
+    padding = [(0, 0)] * (rows.ndim - 2) + [(0, missing), (0, 0)]
+    return np.pad(rows, padding)
+
+
+def subspace_distances(
+    probes: Float[np.ndarray, "n p"], bases: Float[np.ndarray, "N d p"]
+) -> Float[np.ndarray, "n N"]:
+    """Return the distance of every probe to every subspace, relative to the probe's norm.
+
+    The distance is `|x - Q^T Q x| / |x| = sqrt(1 - |Q x|^2 / |x|^2)`, in [0, 1]: 0 for an image
+    that the subject can look like under some light (negative light included), 1 for one
+    orthogonal to all it can look like. One matrix product serves all pairs.
+
+    Parameters
+    ----------
+    probes
+        Images as rows of pixels; none may be all black.
+    bases
+        Orthonormal rows of each subject, see `orthonormal_basis`.
+
+    Raises
+    ------
+    ArgumentError
+        On NaN, an all-black probe, or probes of another size than the bases.
+    """
+    probes = checks.finite("probes", probes)
+    subjects, dimension, pixels = bases.shape
+    if probes.shape[1] != pixels:
+        raise ArgumentError(
+            f"probes must have {pixels} pixels as the subspaces have, got {probes.shape[1]}; "
+            "resize them"
+        )
+    squared = np.einsum("np,np->n", probes, probes)
+    if not squared.all():
+        black = np.flatnonzero(squared == 0)
+        raise ArgumentError(
+            f"probes must not be all black, but {black.size} of {len(probes)} are "
+            f"(first: number {black[0]})"
+        )
+    bases = bases.astype(probes.dtype, copy=False)
+    inside = (probes @ bases.reshape(-1, pixels).T).reshape(-1, subjects, dimension)
+    captured = np.einsum("nsd,nsd->ns", inside, inside) / squared[:, None]
+    return np.sqrt(np.maximum(1 - captured, 0))

@@ -1,0 +1,179 @@
+"""The oracle: images by summing over directions and casting rays, without harmonics.
+
+Every image that a method is scored on comes from here, so that no method is judged by its own
+model.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface import checks
+from harmface.conventions import luminance
+from harmface.errors import ArgumentError
+from harmface.geometry import GBuffer, Mesh, visible
+from harmface.light import DistantLight
+
+CHUNK = 2**22
+"""Pairs of direction and pixel treated at a time: 32 MB in float64."""
+
+
+@dataclass(frozen=True)
+class Phong:
+    """Phong's lobe about the mirror direction, normalised to reflect at most its share.
+
+    The reflectance function is `share (e + 2) / (2 pi) max(r . w, 0)**e` (Lafortune and Willems,
+    Using the Modified Phong Reflectance Model for Physically Based Rendering, 1994).
+
+    Parameters
+    ----------
+    share
+        Fraction of the light from the normal's direction that is reflected, in [0, 1].
+    exponent
+        Sharpness `e`, at least 0.
+    """
+
+    share: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.share <= 1:
+            raise ArgumentError(f"share must lie in [0, 1], got {self.share}")
+        if not (np.isfinite(self.exponent) and self.exponent >= 0):
+            raise ArgumentError(f"exponent must be 0 or more, got {self.exponent}")
+
+
+def clamped_cosines(
+    normals: Float[np.ndarray, "*pixels 3"], directions: Float[np.ndarray, "J 3"]
+) -> Float[np.ndarray, "J *pixels"]:
+    """Return `max(n . w, 0)`: irradiance from each direction alone, attached shadows included.
+
+    Parameters
+    ----------
+    normals
+        Unit normals; zero vectors (the background) give 0.
+    directions
+        Unit directions to the light.
+    """
+    return np.maximum(np.tensordot(directions, np.moveaxis(normals, -1, 0), axes=1), 0)
+
+
+def irradiance(
+    normals: Float[np.ndarray, "*pixels 3"],
+    light: DistantLight,
+    visibility: Bool[np.ndarray, "J *pixels"] | None = None,
+) -> Float[np.ndarray, "..."]:
+    """Return `E(n) = sum_j e_j max(n . w_j, 0) V_j`, the integral of RH01 eq. 1 as a sum.
+
+    Parameters
+    ----------
+    normals
+        Unit normals; zero vectors (the background) give 0.
+    light
+        Directions and the irradiance each gives at normal incidence.
+    visibility
+        Whether each direction reaches each pixel; all do if not given.
+
+    Returns
+    -------
+    numpy.ndarray
+        Irradiance, the light's leading axes first.
+    """
+    normals = checks.vectors("normals", normals)
+    pixels = normals.shape[:-1]
+    flat = normals.reshape(-1, 3)
+    shadow = None if visibility is None else visibility.reshape(len(light.directions), -1)
+    total = np.zeros((*light.irradiances.shape[:-1], len(flat)))
+    for some in _chunks(len(light.directions), len(flat)):
+        cosines = clamped_cosines(flat, light.directions[some])
+        if shadow is not None:
+            cosines *= shadow[some]
+        total += light.irradiances[..., some] @ cosines
+    return total.reshape(*total.shape[:-1], *pixels)
+
+
+def render(
+    view: GBuffer,
+    light: DistantLight,
+    *,
+    albedo: Float[np.ndarray, "*channels H W"] | None = None,
+    caster: Mesh | None = None,
+    phong: Phong | None = None,
+) -> Float[np.ndarray, "... H W"]:
+    """Return pi times the radiance that the camera sees; without `phong` that is radiosity.
+
+    Parameters
+    ----------
+    view
+        What the camera sees.
+    light
+        Distant light; its leading axes (images, channels) lead the result.
+    albedo
+        Albedo that broadcasts against the images: a single channel, or channels first with
+        light that has them too. By default the luminance of the view's albedo.
+    caster
+        The mesh that casts shadows; without it only attached shadows are rendered.
+    phong
+        A specular term added to the diffuse one.
+    """
+    if albedo is None:
+        albedo = luminance(view.albedo)
+    albedo = checks.non_negative("albedo", albedo)
+    if albedo.shape[-2:] != view.mask.shape:
+        raise ArgumentError(
+            f"albedo must have the view's size {view.mask.shape}, got {albedo.shape}"
+        )
+    normals, points = view.normals[view.mask], view.position[view.mask]
+    leading = light.irradiances.shape[:-1]
+    diffuse = np.zeros((*leading, len(normals)))
+    specular = np.zeros_like(diffuse)
+    for some in _chunks(len(light.directions), len(normals)):
+        directions = light.directions[some]
+        cosines = clamped_cosines(normals, directions)
+        if caster is not None:
+            cosines *= visible(caster, points, normals, directions)
+        diffuse += light.irradiances[..., some] @ cosines
+        if phong is not None:
+            mirrored = _mirrored(view.camera.towards(points), normals)
+            lobe = np.maximum(directions @ mirrored.T, 0) ** phong.exponent
+            specular += light.irradiances[..., some] @ (lobe * cosines)
+    image = np.zeros((*leading, *view.mask.shape))
+    image[..., view.mask] = albedo[..., view.mask] * diffuse
+    if phong is not None:
+        # The lobe's pi / (2 pi): radiance is given in the same unit as radiosity.
+        image[..., view.mask] += phong.share * (phong.exponent + 2) / 2 * specular
+    return image
+
+
+def box_average(
+    images: Float[np.ndarray, "*images H W"], factor: int
+) -> Float[np.ndarray, "*images h w"]:
+    """Return images of `1 / factor` the size, each pixel the mean of its block.
+
+    Parameters
+    ----------
+    images
+        Linear images whose sides are multiples of `factor`.
+    factor
+        Side of a block.
+    """
+    factor = checks.positive_integer("factor", factor)
+    *leading, rows, columns = images.shape
+    if rows % factor or columns % factor:
+        raise ArgumentError(f"images of {rows} x {columns} do not divide into blocks of {factor}")
+    blocks = images.reshape(*leading, rows // factor, factor, columns // factor, factor)
+    return blocks.mean(axis=(-3, -1))
+
+
+def _mirrored(
+    to_camera: Float[np.ndarray, "p 3"], normals: Float[np.ndarray, "p 3"]
+) -> Float[np.ndarray, "p 3"]:
+    """Return the view direction mirrored about the normal."""
+    along = np.einsum("pi,pi->p", to_camera, normals)
+    return 2 * along[:, None] * normals - to_camera
+
+
+def _chunks(count: int, width: int) -> list[slice]:
+    step = max(1, CHUNK // max(1, width))
+    return [slice(first, first + step) for first in range(0, count, step)]

@@ -1,0 +1,1 @@
+"""Experiments that hold the package against the published figures."""

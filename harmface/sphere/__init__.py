@@ -1,0 +1,27 @@
+"""Mathematics on the unit sphere: directions, quadrature, harmonics, transforms, rotation."""
+
+from harmface.sphere.complex_harmonics import complex_harmonics, complex_to_real, real_to_complex
+from harmface.sphere.directions import fibonacci_directions, random_directions
+from harmface.sphere.harmonics import real_harmonics
+from harmface.sphere.quadrature import Quadrature, gauss_legendre, lebedev
+from harmface.sphere.rotation import rotate, rotate_zonal, rotation_matrices
+from harmface.sphere.transforms import energy_per_degree, project, project_function, synthesize
+
+__all__ = [
+    "Quadrature",
+    "complex_harmonics",
+    "complex_to_real",
+    "energy_per_degree",
+    "fibonacci_directions",
+    "gauss_legendre",
+    "lebedev",
+    "project",
+    "project_function",
+    "random_directions",
+    "real_harmonics",
+    "real_to_complex",
+    "rotate",
+    "rotate_zonal",
+    "rotation_matrices",
+    "synthesize",
+]

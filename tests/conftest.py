@@ -1,0 +1,30 @@
+"""Shapes and types of every public function are checked while the tests run."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+from jaxtyping import config, install_import_hook
+
+install_import_hook("harmface", "typechecking.check")
+
+settings.register_profile(
+    "harmface",
+    derandomize=True,
+    deadline=None,
+    max_examples=25,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.load_profile("harmface")
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(20240711)
+
+
+@pytest.fixture
+def unchecked():
+    """Leave shapes to the guards alone, as outside the tests."""
+    config.update("jaxtyping_disable", True)
+    yield
+    config.update("jaxtyping_disable", False)

@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+
+from harmface.errors import FileError
+from harmface.io import read_npz, write_npz
+
+ARRAYS = {"a": np.arange(6.0).reshape(2, 3), "b": np.array(["x", "yz"])}
+
+
+@pytest.fixture
+def path(tmp_path):
+    write_npz(tmp_path / "f.npz", "thing", 3, ARRAYS, {"note": ["ü", 1]})
+    return tmp_path / "f.npz"
+
+
+def test_what_is_written_is_read(path):
+    arrays, attributes = read_npz(path, "thing", 3)
+    assert attributes == {"note": ["ü", 1]}
+    assert all(np.array_equal(arrays[name], ARRAYS[name]) for name in ARRAYS)
+
+
+def test_numpy_alone_can_read_it(path):
+    with np.load(path) as archive:
+        assert np.array_equal(archive["a"], ARRAYS["a"])
+
+
+@pytest.mark.parametrize(("kind", "version"), [("other", 3), ("thing", 4)])
+def test_another_kind_or_version_is_refused(path, kind, version):
+    with pytest.raises(FileError, match=f"{kind} version {version} is needed"):
+        read_npz(path, kind, version)
+
+
+def test_every_flipped_byte_and_every_truncation_is_noticed(path, rng):
+    whole = path.read_bytes()
+    for position in range(0, len(whole), 2):
+        broken = bytearray(whole)
+        broken[position] ^= 1 << int(rng.integers(8))
+        path.write_bytes(broken)
+        with pytest.raises(FileError):
+            read_npz(path, "thing", 3)
+    for length in range(0, len(whole), 31):
+        path.write_bytes(whole[:length])
+        with pytest.raises(FileError):
+            read_npz(path, "thing", 3)
+
+
+def test_pickled_objects_are_never_loaded(path, tmp_path):
+    with pytest.raises(ValueError, match="Object arrays"):
+        write_npz(tmp_path / "g.npz", "thing", 3, {"o": np.array([{}], dtype=object)})
+    assert not (tmp_path / "g.npz").exists()
+
+
+def test_a_plain_archive_is_refused(tmp_path):
+    np.savez(tmp_path / "plain.npz", a=np.ones(3))
+    with pytest.raises(FileError, match="not a harmface thing"):
+        read_npz(tmp_path / "plain.npz", "thing", 3)
