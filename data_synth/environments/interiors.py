@@ -72,29 +72,37 @@ def room() -> Environment:
     )
 
 
+# The lamps' radiance averages 0.6 over all directions; walls of albedo rho in a closed room
+# add about rho / (1 - rho) of that (Sumpner's principle), here with rho = 0.26.
+_STUDIO_WALL = (0.21, 0.21, 0.21)
+
+
 def studio() -> Environment:
-    """Build a portrait studio: a large key light, a fill, a rim light, a top light, a backdrop."""
+    """Build a portrait studio: a large key light, a fill, a rim light, a top light, a backdrop.
+
+    Its walls are light grey, and send back about a quarter of what the lamps give them.
+    """
     return box(
         "studio",
         (-3.0, -1.5, -2.5),
         (3.0, 1.8, 3.0),
         {
             "-x": Wall(
-                (0.03, 0.03, 0.03),
+                _STUDIO_WALL,
                 (_rectangle(-2.2, -1.5, -0.9, 1.3, (5.0, 5.2, 5.6), edge=0.06),),
             ),
             "+x": Wall(
-                (0.03, 0.03, 0.03),
+                _STUDIO_WALL,
                 (_rectangle(0.9, 2.5, -0.8, 1.0, (1.6, 1.5, 1.4), edge=0.10),),
             ),
             "-y": Wall((0.10, 0.10, 0.10), (Glow((0.0, -1.2), (1.2, 0.9), (0.15, 0.15, 0.15)),)),
             "+y": Wall(
-                (0.03, 0.03, 0.03),
+                _STUDIO_WALL,
                 (_rectangle(-0.9, 0.9, -0.3, 0.9, (6.0, 6.0, 6.0), edge=0.08),),
             ),
             "-z": Wall((0.10, 0.11, 0.12), (Glow((0.0, 0.2), (1.1, 0.9), (0.9, 0.95, 1.0)),)),
             "+z": Wall(
-                (0.03, 0.03, 0.03),
+                _STUDIO_WALL,
                 (_rectangle(-2.6, -1.0, -0.2, 1.5, (14.0, 13.4, 12.6), edge=0.10),),
             ),
         },

@@ -24,7 +24,8 @@ SUN_RADIUS = np.radians(0.2665)
 # that resolves it converges.
 _LIMB = 0.2
 
-_GROUND = np.array([0.22, 0.19, 0.15])
+GROUND_ALBEDO = np.array([0.22, 0.19, 0.15])
+"""Of the diffuse ground below the horizon, linear RGB: dry soil."""
 
 # Gradation a, b and indicatrix c, d, e of [CIE03]_ type 12, "CIE standard clear sky, low
 # luminance turbidity".
@@ -47,7 +48,7 @@ def overcast_sky(zenith: float = 1.0) -> Environment:
     _require_zenith(zenith)
     tint = np.array([0.96, 1.0, 1.06])
     sky = zenith * tint / (LUMINANCE @ tint)
-    ground = _GROUND * sky * 7.0 / 9.0
+    ground = GROUND_ALBEDO * sky * 7.0 / 9.0
 
     def radiance(directions: np.ndarray) -> np.ndarray:
         sine = directions[..., 1:2]
@@ -86,10 +87,10 @@ def clear_sky(
     """
     _require_zenith(zenith)
     azimuth, altitude = np.radians(sun)
-    if not 0 < altitude <= np.pi / 2:
+    if not (np.isfinite(azimuth) and 0 < altitude <= np.pi / 2):
         raise ValueError(
-            f"sun must stand at an altitude in (0, 90] degrees, got {sun[1]}: "
-            "give (azimuth, altitude) of a sun above the horizon"
+            f"sun must be a finite azimuth and an altitude in (0, 90] degrees, got {sun}: "
+            "give a sun above the horizon"
         )
     if not (np.isfinite(sun_share) and sun_share > 0):
         raise ValueError(
@@ -117,7 +118,7 @@ def clear_sky(
     sun_tint = np.array([1.1, 1.0, 0.8])
     sun_irradiance = sun_share * (LUMINANCE @ sky_irradiance) * sun_tint / (LUMINANCE @ sun_tint)
     sun_radiance = sun_irradiance / (np.sin(altitude) * solid_angle)
-    ground = _GROUND * (sky_irradiance + (sun_irradiance if disc else 0.0)) / np.pi
+    ground = GROUND_ALBEDO * (sky_irradiance + (sun_irradiance if disc else 0.0)) / np.pi
 
     def radiance(directions: np.ndarray) -> np.ndarray:
         light = sky(directions)

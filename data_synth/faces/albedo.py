@@ -31,6 +31,16 @@ def skin(melanin: np.ndarray | float, blood: np.ndarray | float) -> np.ndarray:
     return _BARE * np.exp(-melanin * _MELANIN - blood * _BLOOD)
 
 
+def melanin_of_tone(tone: float) -> float:
+    """Melanin of a skin tone from -1 (lightest) to 1 (darkest).
+
+    Equal steps of tone are equal steps in the square root of the luminance, which is roughly how
+    light a skin looks; it goes from 0.56 to 0.075.
+    """
+    root = np.sqrt(0.56) + (tone + 1) / 2 * (np.sqrt(0.075) - np.sqrt(0.56))
+    return float(np.log(0.57 / root**2) / 4.7)
+
+
 def paint(c: np.ndarray, p: dict[str, float], spots: np.ndarray) -> np.ndarray:
     """Albedo `(V, 3)` at canonical points `c`; `spots` `(V,)` is noise of unit variance."""
     x, y, z = np.abs(c[:, 0]), c[:, 1], c[:, 2]

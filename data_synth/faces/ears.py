@@ -6,11 +6,12 @@ from .fields import ramp
 from .splines import cardinal_weights
 
 CENTRE = (-17.0, -20.0)  # canonical y and z of the middle of the ear
+_SIDE = 70.0  # canonical x of the skin there
 _FOOT = (32.0, 17.0)  # half height and half length of the patch of skin that becomes the ear
 
 # Rings from the root to the concha, at eight directions in the plane of the ear: backward, then
 # up and back, up, up and forward, forward, down and forward, down, down and back.
-_RINGS = np.array([0.0, 0.14, 0.26, 0.36, 0.46, 0.57, 0.70, 0.82, 0.92])[::1]
+_RINGS = np.array([0.0, 0.14, 0.26, 0.36, 0.46, 0.57, 0.70, 0.82, 0.92])
 _OUT = np.array([  # distance from the middle as a fraction of the outline's
     # back  ub    up    uf    fwd   df    down  db
     (0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00),
@@ -38,11 +39,9 @@ _HIGH = np.array([  # height over the plane of the ear, mm
 
 def add_ears(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     """Lift the skin at canonical points `c` (right half) into the ear."""
-    t, s = (c[:, 1] - CENTRE[0]) / _FOOT[0], (CENTRE[1] - c[:, 2]) / _FOOT[1]
-    reach = np.hypot(s, t)
+    reach, angle = around_ear(c)
     rows = np.flatnonzero((reach < 1) & (c[:, 0] > 40))
-    s, t, reach = s[rows], t[rows], reach[rows]
-    angle = np.arctan2(t, s)
+    reach, angle = reach[rows], angle[rows]
 
     round_ = _periodic_weights(angle, _OUT.shape[1])
     along = cardinal_weights(_RINGS, reach, even=True)
@@ -57,12 +56,18 @@ def add_ears(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     lateral = (back + hinge) * np.sin(flare) + high * np.cos(flare) - 1.0
     rear = back * np.cos(flare) - high * np.sin(flare)
     rear, up = rear * np.cos(lean) + up * np.sin(lean), up * np.cos(lean) - rear * np.sin(lean)
-    target = np.stack(
-        [70.0 + lateral, CENTRE[0] + p["ear_level"] + up, CENTRE[1] + 2 - rear], axis=1
-    )
-    blend = ramp((1.0 - reach) / 0.13)[:, None]
+    # The root of the ear sits on the skin, wherever that is; the shell keeps its own place.
     skin = c[rows] + out[rows]
+    lateral += _SIDE + ramp((reach - 0.5) / 0.4) * (skin[:, 0] - _SIDE)
+    target = np.stack([lateral, CENTRE[0] + p["ear_level"] + up, CENTRE[1] + 2 - rear], axis=1)
+    blend = ramp((1.0 - reach) / 0.13)[:, None]
     out[rows] += blend * (target - skin)
+
+
+def around_ear(c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the middle of the ear, 1 at the edge of its patch of skin, and direction."""
+    s, t = (CENTRE[1] - c[:, 2]) / _FOOT[1], (c[:, 1] - CENTRE[0]) / _FOOT[0]
+    return np.hypot(s, t), np.arctan2(t, s)
 
 
 def _periodic_weights(angle: np.ndarray, count: int) -> np.ndarray:

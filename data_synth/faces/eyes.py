@@ -35,7 +35,7 @@ def add_eyes(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
 
     def dome(radius: float) -> np.ndarray:
         cap = np.sqrt(np.maximum(radius**2 - reach**2, 0.0) + 4.0) - 2.0
-        return _DEPTH - p["eye_depth"] + cap - 2.0 * np.maximum(reach - radius, 0.0)
+        return _DEPTH - p["eye_depth"] + cap - radius / 2 * np.maximum(reach - radius, 0.0)
 
     skin = c[rows, 2] + out[rows, 2]
     upper, lower = fissure(x, p)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from .ears import around_ear
 from .fields import bump, ramp
-
 
 _NAPE = -62.0  # canonical height of the lower edge of short hair
 
@@ -25,6 +25,7 @@ def add_hair(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     outward = c * [1.0, 0.6, 0.8] + [0, 30, 0]
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     thick = p["hair_volume"] * ramp((c[:, 1] + 20.0) / 70.0) + 0.25 * p["hair_volume"]
+    thick *= ramp((around_ear(c)[0] - 0.7) / 0.8)  # tucked behind the ears
     out += outward * (thick * hair_mask(c, p, 26.0) / 1.25)[:, None]
     hang = long_hair_mask(c, p)
     back = np.minimum(c[:, 2] + 20.0, -1.0)
@@ -39,13 +40,18 @@ def long_hair_mask(c: np.ndarray, p: dict[str, float]) -> np.ndarray:
     y, z = c[:, 1], c[:, 2]
     tip = _NAPE - p["hair_length"]
     behind = ramp((-26.0 - z - 0.1 * (y + 60.0)) / 24.0)
-    return ramp(p["hair_length"] / 40.0) * behind * ramp((-12.0 - y) / 46.0) * ramp((y - tip) / 40.0)
+    return (
+        ramp((p["hair_length"] - 20.0) / 35.0)
+        * behind
+        * ramp((-12.0 - y) / 46.0)
+        * ramp((y - tip) / 40.0)
+    )
 
 
 def brow_mask(x: np.ndarray, y: np.ndarray, p: dict[str, float]) -> np.ndarray:
     """Eyebrows at canonical `x` (either side) and `y`."""
     u = np.clip((np.abs(x) - 33.0) / 20.0, -1.0, 1.0)
-    middle = 17.0 + p["brow_height"] + 3.2 * (1 - u * u) - 2.0 * u
+    middle = 19.0 + p["brow_height"] + 2.6 * (1 - (u - 0.3) ** 2)
     half = p["brow_thickness"] * (0.85 - 0.45 * u)
     return ramp((1 - np.abs(u)) * 3.5) * ramp(1.5 - np.abs(y - middle) / half)
 

@@ -30,7 +30,7 @@ def add_mouth(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     above = y > crease
     thick = np.where(above, upper - crease, crease - lower) + 2.2
     across = np.abs(y - crease) / thick
-    swell = np.where(above, _swell(across, 0.45, 1.0), 0.81 * _swell(across, 0.35, 1.05))
+    swell = np.where(above, _swell(across, 0.45, 1.2), 0.808 * _swell(across, 0.35, 1.26))
     lift = p["lip_fullness"] * taper * swell
     lift -= 2.2 * np.exp(-(((y - crease) / 0.8) ** 2)) * ramp((half + 3 - x) / 10)
 
@@ -44,4 +44,4 @@ def add_mouth(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
 
 
 def _swell(across: np.ndarray, peak: float, width: float) -> np.ndarray:
-    return np.maximum(1 - ((across - peak) / width) ** 2, 0.0) ** 2
+    return np.maximum(1 - ((across - peak) / width) ** 2, 0.0) ** 3

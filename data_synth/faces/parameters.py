@@ -28,6 +28,11 @@ class Parameter(NamedTuple):
     age: float = 0.0
     tone: float = 0.0
 
+    @property
+    def ties(self) -> tuple[float, float, float, float]:
+        """Correlations with sex, weight, age and tone."""
+        return self.sex, self.weight, self.age, self.tone
+
 
 def _p(
     name: str, mean: float, spread: float, unit: str, meaning: str,
@@ -119,40 +124,14 @@ SURFACE = (
     _p("hair_volume", 7, 4.5, "mm", "thickness of the hair", low=0, high=22, sex=-0.55, age=-0.2),
     _p("hair_length", 0, 42, "mm", "below the nape", low=0, high=90, sex=-0.75),
     _p("hairline", 72, 5.5, "mm", "height of the hairline above the eyes", sex=0.4, age=0.5),
-    _p(
-        "temple_recession",
-        8,
-        5,
-        "mm",
-        "hairline back at the temples",
-        low=0,
-        high=28,
-        sex=0.5,
-        age=0.5,
-    ),
+    _p("temple_recession", 8, 5, "mm", "hairline back", low=0, high=28, sex=0.5, age=0.5),
     _p("skin_relief", 0, 0.07, "mm", "uneven skin, root mean square", low=0, high=0.25, age=0.5),
     _p("forehead_lines", 0, 0.22, "mm", "depth of the lines", low=0, high=0.9, age=0.8),
     _p("relief_pattern", 0, 0, "", "which pattern of unevenness, an integer", low=0, high=2**31),
 )
 COLOUR = (
-    _p(
-        "melanin",
-        0.15,
-        0.12,
-        "",
-        "volume fraction of melanosomes in the epidermis",
-        low=0.01,
-        high=0.43,
-    ),
-    _p(
-        "haemoglobin",
-        0.05,
-        0.02,
-        "",
-        "volume fraction of blood in the dermis",
-        low=0.015,
-        high=0.11,
-    ),
+    _p("melanin", 0.15, 0.12, "", "volume of melanosomes in the epidermis", low=0.01, high=0.43),
+    _p("haemoglobin", 0.045, 0.009, "", "volume of blood in the dermis", low=0.015, high=0.08),
     _p("lip_blood", 0.6, 0.25, "", "additional redness of the lips", low=0, high=1.4, sex=-0.4),
     _p("brow_density", 0.7, 0.15, "", "cover of the eyebrows", low=0.1, high=0.95, sex=0.3),
     _p("brow_thickness", 4.2, 1.0, "mm", "half height of the eyebrows", low=1.6, high=7, sex=0.6),

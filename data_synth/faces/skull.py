@@ -29,21 +29,21 @@ RINGS = np.array([
     (0.73, -110,  79,   54,  -75,  -16,  -80,  -66,   0.01,  0.00),
     (0.78, -115,  60,   51,  -86,  -17,  -87,  -66,  -0.02,  0.00),
     (0.83, -121,  40,   49,  -98,  -18,  -95,  -67,  -0.04,  0.00),
-    (0.91, -140,  33,   50, -124,  -20, -118,  -70,  -0.04,  0.00),
-    (1.00, -168,  34,   58, -168,  -28, -168,  -84,  -0.04,  0.00),
+    (0.91, -135,  33,   50, -119,  -20, -114,  -70,  -0.04,  0.00),
+    (1.00, -155,  34,   56, -155,  -26, -155,  -82,  -0.04,  0.00),
 ])  # fmt: skip
 
 
 def rings(p: dict[str, float]) -> np.ndarray:
-    """The ring table of one person."""
+    """Make the ring table of one person."""
     r = RINGS.copy()
-    v, yf, zf, xs, ys, zs, yb, zb = r.T[:8]
+    v = r[:, 0]
     d = {q.name: p[q.name] - q.mean for q in (*SKULL, *FACE)}
     down = d["nose_height"]
     lip = down + d["upper_lip_length"]
     chin = lip + d["lower_face_height"]
-    level = [-168, -111, -66, -45, 0, 113]
-    moved = [-168 - chin, -111 - chin, -66 - lip, -45 - down, 0, p["vault_height"]]
+    level = [-155, -111, -66, -45, 0, 113]
+    moved = [-155 - chin, -111 - chin, -66 - lip, -45 - down, 0, p["vault_height"]]
     r[:, [1, 4, 6]] = np.interp(r[:, [1, 4, 6]], level, moved)
     r[:, 4] -= d["gonial_drop"] * np.interp(v, [0.54, 0.69, 0.78, 0.91], [0, 1, 1, 0])
 
@@ -78,12 +78,12 @@ def add_relief(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
         return front * bump((x - cx) / rx, (y - cy) / ry)
 
     lift = p["brow_ridge"] * at(26, 19 + p["brow_height"], 36, 12)
-    lift -= 9 * at(30, -1, 26, 20) + 5 * at(17, 2, 10, 16)
+    lift -= 8.5 * at(30, -1, 26, 20) + 3.5 * at(17, 2, 10, 16)
     lift += 3 * at(0, -102, p["chin_breadth"], 18)
     lift -= p["chin_cleft"] * at(0, -101, 4, 12)
     lift -= (p["mentolabial_depth"] - 1.5) * at(0, -83, 18, 8)
-    for level in (38.0, 47.0, 56.0):
-        lift -= p["forehead_lines"] * at(0, level, 46, 2.6)
+    for level in (40.0, 53.0):
+        lift -= p["forehead_lines"] * at(0, level, 46, 5.5)
     side = -p["temple_hollow"] * bump((x - 66) / 25, (y - 28) / 34, (z - 42) / 40)
     bone = p["cheekbone_prominence"] * bump((x - 54) / 36, (y + 22) / 32, (z - 40) / 52)
     flesh = p["cheek_fullness"] * bump((x - 46) / 46, (y + 56) / 52, (z - 44) / 76)
@@ -111,6 +111,7 @@ class Loft:
         self._cos = [np.cos(k * angle) for k in range(4)]
 
     def __call__(self, rings: np.ndarray) -> np.ndarray:
+        """Evaluate the surface `(N, 3)` of a ring table like `RINGS`."""
         yf, zf, xs, ys, zs, yb, zb, breadth, square = rings[:, 1:].T
         sin, cos = self._sin, self._cos
         even = self._even @ np.stack(

@@ -38,7 +38,7 @@ class Canvas:
 
 
 def mean_surface(points: np.ndarray) -> np.ndarray:
-    """The mean head at `(N, 2)` points of the right half disc, for the template.
+    """Evaluate the mean head at `(N, 2)` points of the right half disc, for the template.
 
     Columns 3 to 5 are the albedo, scaled so that a step in colour counts like one in shape.
     """
@@ -48,7 +48,11 @@ def mean_surface(points: np.ndarray) -> np.ndarray:
 
 
 class Figure:
-    """A template ready to take any person's shape and colour."""
+    """A template ready to take any person's shape and colour.
+
+    The surface is evaluated at each vertex and at two neighbours a hair's breadth away in the
+    disc; the tangents to them give the normal.
+    """
 
     def __init__(self, template: Template) -> None:
         at = template.points
@@ -56,15 +60,15 @@ class Figure:
         right, up = np.array([_STEP, 0]), np.array([0, _STEP])
         self._canvas = Canvas(np.concatenate([at, at + right, at + up]))
         self._canonical = self._with_twins(self._canvas.canonical)
-        self._lean = asymmetry_fields(self._canonical.reshape(-1, 3)).reshape(
-            3, -1, 3, len(ASYMMETRY)
-        )
+        self._lean = asymmetry_fields(self._canonical)
+        self.faces = template.faces
+        self.uvs = 0.5 + 0.5 * np.concatenate([at, at[template.paired] * [-1.0, 1.0]])
 
     def __call__(self, p: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Vertices, unit normals and albedo of one person, each `(V, 3)`."""
         lean = self._lean @ np.array([p[q.name] for q in ASYMMETRY])
         c = self._canonical
-        noise = unevenness(c.reshape(-1, 3), int(p["relief_pattern"])).reshape(3, -1)
+        noise = unevenness(c, int(p["relief_pattern"]))
         relief = (p["skin_relief"] * noise)[..., None] * (c / 100.0)
         point, right, up = self._with_twins(self._canvas(p)) + lean + relief
         normal = np.cross(up - point, right - point)
@@ -79,8 +83,8 @@ class Figure:
 
 
 def asymmetry_fields(c: np.ndarray) -> np.ndarray:
-    """Displacement `(N, 3, A)` at canonical points for one unit of each of `ASYMMETRY`."""
-    x, y, z = c.T
+    """Displacement `(..., 3, A)` at canonical points for one unit of each of `ASYMMETRY`."""
+    x, y, z = np.moveaxis(c, -1, 0)
     front = ramp((z - 10) / 40)
     sided = np.tanh(x / 12)
     mouth = front * bump(x / 48, (y + 66) / 26)
@@ -95,15 +99,15 @@ def asymmetry_fields(c: np.ndarray) -> np.ndarray:
         "brow_difference": (1, front * bump((y - 22) / 18) * sided / 2),
         "ear_difference": (1, ears * np.sign(x) / 2),
     }
-    out = np.zeros((len(c), 3, len(ASYMMETRY)))
+    out = np.zeros((*c.shape, len(ASYMMETRY)))
     for k, parameter in enumerate(ASYMMETRY):
         axis, amount = fields[parameter.name]
-        out[:, axis, k] = amount
+        out[..., axis, k] = amount
     return out
 
 
 def unevenness(c: np.ndarray, pattern: int) -> np.ndarray:
-    """A random field of unit variance with wavelengths from 8 to 40 mm."""
+    """Evaluate a random field of unit variance with wavelengths from 8 to 40 mm."""
     rng = np.random.default_rng(pattern)
     count = 12
     direction = rng.normal(size=(count, 3))

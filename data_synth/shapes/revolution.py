@@ -81,7 +81,6 @@ def torus(resolution: int = 64, radius: float = 0.68, tube: float = 0.3) -> Shap
             f"tube must be smaller than radius = {radius}, got {tube}: else the hole closes"
         )
     circle = _arc((radius, 0.0), tube, -np.pi, np.pi, resolution)
-    circle.radius[-1], circle.height[-1] = circle.radius[0], circle.height[0]
     return assemble("torus", *map(_face_viewer, _revolve([circle], 2 * resolution)))
 
 

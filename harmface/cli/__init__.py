@@ -8,7 +8,7 @@ import sys
 import typer
 
 from harmface import __version__
-from harmface.cli import basis, recognition, render, reproduce, synth
+from harmface.cli import basis, envmap, pca, recognition, render, reproduce, synth
 from harmface.errors import HarmfaceError
 
 app = typer.Typer(
@@ -20,10 +20,12 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 app.add_typer(synth.app, name="synth")
+app.add_typer(envmap.app, name="envmap")
 app.command("basis")(basis.basis)
 app.command("render")(render.render)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
+app.command("pca")(pca.pca)
 app.command("reproduce")(reproduce.reproduce)
 
 

@@ -1,5 +1,6 @@
 """`harmface render`: a picture of a mesh under lamps or an environment map."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -15,8 +16,11 @@ from harmface.cli.common import (
     output,
     progress,
 )
+from harmface.cli.light_source import FrameOption, LayoutOption, load_light
 from harmface.conventions import light_direction
 from harmface.errors import ArgumentError
+from harmface.geometry import GBuffer, Mesh, frame_orthographic, gbuffer
+from harmface.light import DistantLight, EnvironmentMap
 
 SUPERSAMPLING = 2
 ENVIRONMENT_DIRECTIONS = 600
@@ -38,8 +42,15 @@ def render(
         ),
     ] = None,
     environment: Annotated[
-        Path | None, typer.Option(help="Lat-long environment map, .hdr or .pfm.")
+        Path | None,
+        typer.Option(
+            metavar="MAP|COEFFICIENTS|PROBE",
+            help="Environment map; or coefficients (.json of `envmap project`), or grace, "
+            "eucalyptus, st-peters, which render through harmonics, without cast shadows.",
+        ),
     ] = None,
+    layout: LayoutOption = "latlong",
+    frame: FrameOption = None,
     cast_shadows: Annotated[bool, typer.Option(help="Whether the mesh shadows itself.")] = True,
     size: SizeOption = 256,
     exposure: Annotated[
@@ -59,33 +70,31 @@ def render(
 
     Example: harmface render head.ply --light 40,20 --size 64 --out probe.png
     """
-    from harmface.geometry import frame_orthographic, gbuffer
-    from harmface.io import read_environment_map, write_image
-    from harmface.light import DistantLight
-    from harmface.rendering import box_average
-    from harmface.rendering import render as brute_force
+    from harmface.io import write_image
+    from harmface.rendering import box_average, harmonic_irradiance
 
     if (light is None) == (environment is None):
         raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
-    if light is not None:
-        directions = np.stack([_direction(text) for text in light])
-        lamps = DistantLight(directions, np.ones((3, len(directions))))
-    else:
-        assert environment is not None
-        lamps = read_environment_map(environment).as_distant_light(ENVIRONMENT_DIRECTIONS)
     surface = load_mesh(mesh, texture, srgb_colors)
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)
-    image = np.zeros(albedo.shape)
-    count = len(lamps.directions)
-    with progress("rendering") as report:
-        for first in range(0, count, PART):
-            some = slice(first, first + PART)
-            part = DistantLight(lamps.directions[some], lamps.irradiances[..., some])
-            image += brute_force(
-                view, part, albedo=albedo, caster=surface if cast_shadows else None
-            )
-            report(min(first + PART, count) / count)
+    if light is not None:
+        directions = np.stack([_direction(text) for text in light])
+        source: EnvironmentMap | np.ndarray | DistantLight = DistantLight(
+            directions, np.ones((3, len(directions)))
+        )
+    else:
+        assert environment is not None
+        source = load_light(environment, layout, frame)
+    if isinstance(source, np.ndarray):
+        image = np.zeros(albedo.shape)
+        received = harmonic_irradiance(source, view.normals[view.mask])
+        image[:, view.mask] = albedo[:, view.mask] * np.maximum(received, 0)
+    else:
+        if isinstance(source, EnvironmentMap):
+            source = source.as_distant_light(ENVIRONMENT_DIRECTIONS)
+        with progress("rendering") as report:
+            image = _brute_force(view, source, surface if cast_shadows else None, report)
     if exposure is None:
         brightest = np.percentile(image[:, view.mask], 99.5)
         exposure = BRIGHTEST / brightest if brightest > 0 else 1.0
@@ -93,6 +102,23 @@ def render(
     write_image(out, picture, bits=bits, srgb=srgb)
     encoding = "sRGB" if srgb else "linear"
     output.print(f"{size} x {size} pixels in {out} ({encoding}, exposure {exposure:.4g})")
+
+
+def _brute_force(
+    view: GBuffer, light: DistantLight, caster: Mesh | None, report: Callable[[float], None]
+) -> np.ndarray:
+    """Return radiosity, channels first, rendered a few directions at a time."""
+    from harmface.rendering import render as render_part
+
+    albedo = np.moveaxis(view.albedo, -1, 0)
+    image = np.zeros(albedo.shape)
+    count = len(light.directions)
+    for first in range(0, count, PART):
+        some = slice(first, first + PART)
+        part = DistantLight(light.directions[some], light.irradiances[..., some])
+        image += render_part(view, part, albedo=albedo, caster=caster)
+        report(min(first + PART, count) / count)
+    return image
 
 
 def _direction(text: str) -> np.ndarray:

@@ -17,6 +17,12 @@ def reproduce(
     only: Annotated[
         list[str] | None, typer.Option(metavar="ID...", help="Measure only these claims.")
     ] = None,
+    environments: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="MAP", help="Measure irradiance-error-natural on this map too; repeatable."
+        ),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Measure the published figures and write a report; exits with 1 if a claim fails.
@@ -30,7 +36,8 @@ def reproduce(
     if more and not only:
         raise ArgumentError(f"unexpected argument {more[0]!r}; name claims after --only")
     with errors.status("") as status:
-        results = run(out, [*(only or []), *(more or [])], lambda name: status.update(name))
+        wanted = [*(only or []), *(more or [])]
+        results = run(out, wanted, environments or (), lambda name: status.update(name))
     if as_json:
         typer.echo((out / "results.json").read_text(), nl=False)
     else:

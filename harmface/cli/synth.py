@@ -1,4 +1,4 @@
-"""`harmface synth`: procedural faces and shapes."""
+"""`harmface synth`: procedural faces, shapes, environments, and data sets made of them."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +7,9 @@ import typer
 
 from harmface.cli.common import output, progress
 
-app = typer.Typer(help="Make procedural faces and shapes.", no_args_is_help=True)
+app = typer.Typer(
+    help="Make procedural faces, shapes, environments and data sets.", no_args_is_help=True
+)
 OutOption = Annotated[Path, typer.Option(help="Folder to make; it must not hold other files.")]
 
 
@@ -16,15 +18,25 @@ def faces(
     out: OutOption,
     count: Annotated[int, typer.Option(help="Number of subjects.")] = 12,
     seed: Annotated[int, typer.Option(help="Seed of the population.")] = 0,
+    sheet: Annotated[
+        Path | None, typer.Option(help="PNG: all heads side by side in one soft light.")
+    ] = None,
 ) -> None:
     """Make heads as PLY files, with linear albedo as vertex colours, and a manifest.
 
-    Example: harmface synth faces --count 12 --seed 1 --out faces
+    Example: harmface synth faces --count 24 --seed 7 --sheet sheet.png --out heads
     """
+    from harmface.reproduce.contact_sheet import contact_sheet
     from harmface.reproduce.synthetic import synthesize_faces
 
     with progress("heads") as report:
         synthesize_faces(out, count, seed, report)
+    if sheet is not None:
+        from harmface.io import read_mesh, write_image
+
+        with progress("sheet") as report:
+            meshes = [read_mesh(path) for path in sorted(out.glob("face_*.ply"))[:count]]
+            write_image(sheet, contact_sheet(meshes, report), bits=8, srgb=True)
     output.print(f"{count} heads in {out}")
 
 
@@ -39,3 +51,59 @@ def shapes(out: OutOption) -> None:
     with progress("shapes") as report:
         synthesize_shapes(out, report)
     output.print(f"shapes in {out}")
+
+
+@app.command()
+def environments(
+    out: OutOption,
+    size: Annotated[int, typer.Option(help="Columns of the maps; half as many rows.")] = 512,
+) -> None:
+    """Make the procedural environments as lat-long maps (.hdr), and a manifest.
+
+    The manifest holds the exact lighting coefficients to degree 4 of each.
+
+    Example: harmface synth environments --size 512 --out env
+    """
+    from harmface.reproduce.synthetic import synthesize_environments
+
+    with progress("environments") as report:
+        synthesize_environments(out, size, report)
+    output.print(f"environments in {out}")
+
+
+@app.command()
+def dataset(
+    out: Annotated[Path, typer.Option(help="Folder to make, or to finish.")],
+    identities: Annotated[int, typer.Option(help="Number of subjects.")] = 100,
+    lightings: Annotated[
+        str, typer.Option(help="yale64, ninepoints, mixed or environments.")
+    ] = "yale64",
+    size: Annotated[int, typer.Option(help="Rows and columns of the images.")] = 96,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    identity_scale: Annotated[
+        float, typer.Option(help="0: all look like the mean face; 1: natural.")
+    ] = 1.0,
+    noise: Annotated[
+        float, typer.Option(help="Noise of a white pixel as a share of white, such as 0.01.")
+    ] = 0.0,
+    cast_shadows: Annotated[bool, typer.Option(help="Whether heads shadow themselves.")] = True,
+    meshes: Annotated[bool, typer.Option("--meshes", help="Write each subject's mesh.")] = False,
+    gbuffers: Annotated[
+        bool, typer.Option("--gbuffers", help="Write normals, albedo, depth of each subject.")
+    ] = False,
+) -> None:
+    """Render a labelled data set: 16-bit linear PNGs, masks, and a manifest of everything.
+
+    A run that was stopped goes on where it was when the same command is given again, and ends
+    with the same bytes.
+
+    Example: harmface synth dataset --identities 20 --lightings yale64 --seed 3 --out set
+    """
+    from harmface.reproduce.datasets import Request, make_dataset
+
+    request = Request(
+        identities, lightings, size, seed, identity_scale, noise, cast_shadows, meshes, gbuffers
+    )
+    with progress("rendering") as report:
+        make_dataset(out, request, report)
+    output.print(f"{identities} subjects in {out}")

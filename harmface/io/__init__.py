@@ -1,19 +1,26 @@
 """Files: every byte from outside is checked here, every file written is whole or not there."""
 
 from harmface.io.atomic import atomic_write
-from harmface.io.environment_maps import read_environment_map
+from harmface.io.coefficients import read_coefficients, write_coefficients
+from harmface.io.datasets import Dataset, read_dataset
+from harmface.io.environment_maps import read_environment_map, write_environment_map
 from harmface.io.galleries import read_gallery, write_gallery
 from harmface.io.images import read_image, write_image
 from harmface.io.meshes import read_mesh, write_ply
 from harmface.io.npz import read_npz, write_npz
 
 __all__ = [
+    "Dataset",
     "atomic_write",
+    "read_coefficients",
+    "read_dataset",
     "read_environment_map",
     "read_gallery",
     "read_image",
     "read_mesh",
     "read_npz",
+    "write_coefficients",
+    "write_environment_map",
     "write_gallery",
     "write_image",
     "write_npz",

@@ -1,6 +1,11 @@
 """OpenEXR pictures (`.exr`), through the optional package OpenEXR."""
 
+import contextlib
+import io
+import os
+import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -27,28 +32,17 @@ def read_exr(path: Path | str) -> Float[np.ndarray, "H W *channels"]:
     """
     library = _library(path)
     read_bytes(path)  # Names a missing or empty file; the library's own words are obscure.
-    try:
-        with library.File(str(path), header_only=True) as file:
-            low, high = (np.asarray(corner, dtype=int) for corner in file.header()["dataWindow"])
-        width, height = (int(size) for size in high - low + 1)
-        if not 0 < width * height <= MAX_PIXELS:
-            raise FileError(
-                f"{path}: its header names {width} x {height} pixels, outside 1 to {MAX_PIXELS}"
-            )
-        with library.File(str(path), separate_channels=True) as file:
-            channels = {name: channel.pixels for name, channel in file.channels().items()}
-    except (KeyError, RuntimeError, TypeError, ValueError) as error:
-        if isinstance(error, FileError):
-            raise
-        reason = (str(error).splitlines() or [""])[0]
-        raise FileError(f"{path}: is not a whole OpenEXR picture ({reason})") from None
-    if {"R", "G", "B"} <= channels.keys():
-        image = np.stack([channels[name] for name in "RGB"], axis=-1)
-    elif "Y" in channels:
-        image = channels["Y"]
-    else:
+    shape = _size(library, path)
+    with _reading(path), library.File(str(path), separate_channels=True) as file:
+        channels = {name: channel.pixels for name, channel in file.channels().items()}
+    names = [name for name in "RGB" if name in channels]
+    names = names if len(names) == 3 else [name for name in "Y" if name in channels]
+    if not names:
         raise FileError(f"{path}: has no channels R, G, B or Y, but {', '.join(channels)}")
-    return image.astype(np.float32)
+    if any(np.shape(channels[name]) != shape for name in names):
+        raise FileError(f"{path}: has channels of several sizes; convert it to .hdr")
+    image = np.stack([channels[name] for name in names], axis=-1).astype(np.float32)
+    return image if len(names) == 3 else image[..., 0]
 
 
 def write_exr(path: Path | str, image: Float[np.ndarray, "H W *channels"]) -> None:
@@ -85,4 +79,48 @@ def _library(path: Path | str) -> ModuleType:
             f"{path}: .exr files need the package OpenEXR; install it with "
             "pip install 'harmface[exr]', or convert the file to .hdr"
         ) from None
-    return OpenEXR
+    library: ModuleType = OpenEXR
+    return library
+
+
+def _size(library: ModuleType, path: Path | str) -> tuple[int, int]:
+    """Return height and width as the header has them, before memory is taken for pixels."""
+    with _reading(path), library.File(str(path), header_only=True) as file:
+        low, high = (np.asarray(corner, dtype=int) for corner in file.header()["dataWindow"])
+    width, height = (int(size) for size in high - low + 1)
+    if min(width, height) < 1 or width * height > MAX_PIXELS:
+        raise FileError(
+            f"{path}: its header names {width} x {height} pixels, outside 1 to {MAX_PIXELS}"
+        )
+    return height, width
+
+
+@contextlib.contextmanager
+def _reading(path: Path | str) -> Iterator[None]:
+    """Turn what the library raises, and what it only prints and passes over, into one error."""
+    said = ""
+    with contextlib.redirect_stdout(io.StringIO()) as printed, _silent_stderr():
+        try:
+            yield
+        except (KeyError, OverflowError, RuntimeError, TypeError, ValueError) as error:
+            said = str(error) or type(error).__name__
+    said = said or printed.getvalue()
+    if said:
+        raise FileError(
+            f"{path}: is not a whole OpenEXR picture ({said.splitlines()[0]}); "
+            "copy or convert it again"
+        )
+
+
+@contextlib.contextmanager
+def _silent_stderr() -> Iterator[None]:
+    """Keep C++ from printing details of what is raised or printed by Python anyway."""
+    sys.stderr.flush()
+    saved = os.dup(2)
+    try:
+        with Path(os.devnull).open("wb") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)

@@ -10,7 +10,7 @@ References
 
 import numpy as np
 from jaxtyping import Float
-from scipy.special import legendre_p_all
+from numpy.polynomial.legendre import legder, legvander
 
 from harmface import checks
 from harmface.conventions import harmonic_count
@@ -125,7 +125,7 @@ def ambient(
     return coefficients
 
 
-def add_lights(*coefficients: Float[np.ndarray, "... ?K"]) -> Float[np.ndarray, "... K"]:
+def add_lights(*coefficients: Float[np.ndarray, "..."]) -> Float[np.ndarray, "*channels K"]:
     """Return the coefficients of several lights together.
 
     Parameters
@@ -156,7 +156,8 @@ def _cap(half_angle: float, max_degree: int) -> Float[np.ndarray, "L"]:
     Legendre's equation: unlike a difference of polynomials it keeps its digits for small discs.
     """
     degree = np.arange(checks.degree("max_degree", max_degree) + 1)
-    slopes = legendre_p_all(max_degree, np.cos(half_angle), diff_n=1)[1]
+    below = legvander(np.cos(half_angle), max_degree)[0, : max(max_degree, 1)]
+    slopes = below @ legder(np.eye(max_degree + 1))
     integrals = np.empty(len(degree))
     integrals[0] = 2 * np.sin(half_angle / 2) ** 2
     integrals[1:] = np.sin(half_angle) ** 2 * slopes[1:] / (degree[1:] * (degree[1:] + 1))

@@ -58,7 +58,7 @@ class DistantLight:
 
     def total(self) -> Float[np.ndarray, "*channels"]:
         """Return the sum of all irradiances at normal incidence."""
-        return self.irradiances.sum(axis=-1)
+        return np.asarray(self.irradiances.sum(axis=-1))
 
     def rotated(self, rotation: Float[np.ndarray, "3 3"]) -> "DistantLight":
         """Return the lights at `rotation @ direction`."""

@@ -51,9 +51,13 @@ class EnvironmentMap:
     frame: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radiance", checks.non_negative("radiance", self.radiance))
+        radiance = checks.floating("radiance", self.radiance)
+        object.__setattr__(self, "radiance", radiance)
         object.__setattr__(self, "frame", check_frame("frame", self.frame))
         self.layout.height_of(self.pixels)
+        # Least and largest value tell, and take no memory for a mask as large as the map.
+        if not (radiance.min() >= 0 and radiance.max() < np.inf):
+            checks.non_negative("radiance", radiance)
 
     @classmethod
     def from_image(

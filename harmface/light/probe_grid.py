@@ -6,15 +6,17 @@ neighbours' environments.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
-from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
-from scipy.spatial import QhullError
 
 from harmface import checks
 from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,13 +128,18 @@ class ScatteredProbes:
             `(*points, *channels, K)`.
         """
         points = checks.finite("points", checks.vectors("points", points))
-        light = self._inside(points)
-        outside = np.isnan(light).reshape(*points.shape[:-1], -1).any(axis=-1)
-        light[outside] = self._nearest(points[outside])
+        flat = points.reshape(-1, 3)
+        light = self._inside(flat)
+        outside = np.isnan(light).reshape(len(flat), -1).any(axis=-1)
+        light[outside] = self._nearest(flat[outside])
+        light = light.reshape(*points.shape[:-1], *self.coefficients.shape[1:])
         return light.astype(self.coefficients.dtype)
 
     @cached_property
-    def _inside(self) -> LinearNDInterpolator:
+    def _inside(self) -> "LinearNDInterpolator":
+        from scipy.interpolate import LinearNDInterpolator  # takes half a second to load
+        from scipy.spatial import QhullError
+
         try:
             return LinearNDInterpolator(self.positions, self.coefficients)
         except (QhullError, ValueError):
@@ -142,5 +149,7 @@ class ScatteredProbes:
             ) from None
 
     @cached_property
-    def _nearest(self) -> NearestNDInterpolator:
+    def _nearest(self) -> "NearestNDInterpolator":
+        from scipy.interpolate import NearestNDInterpolator
+
         return NearestNDInterpolator(self.positions, self.coefficients)

@@ -13,7 +13,6 @@ References
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy.polynomial.legendre import legder, legroots, legval, legvander
-from scipy.optimize import nnls
 
 from harmface import checks
 from harmface.conventions import degrees, max_degree_of
@@ -104,13 +103,17 @@ def non_negative_window(transfer: Float[np.ndarray, "L"]) -> Float[np.ndarray, "
 
 
 def _least_change(
-    kernel: Float[np.ndarray, "L"], free: Bool[np.ndarray, "L"], cosines: Float[np.ndarray, "points"]
+    kernel: Float[np.ndarray, "L"],
+    free: Bool[np.ndarray, "L"],
+    cosines: Float[np.ndarray, "points"],
 ) -> Float[np.ndarray, "free"]:
     """Return the least change of a Legendre series that lifts it to zero at some points.
 
     Least in the mean square over the sphere: with coefficients `z` of orthonormal functions, the
     least `z` with `G z >= h` is a problem of non-negative least squares, [LH74]_ chapter 23.
     """
+    from scipy.optimize import nnls  # takes a quarter of a second to load
+
     degree = np.arange(len(kernel))
     norms = np.sqrt((2 * degree[free] + 1) / (4 * np.pi))
     values = legvander(cosines, len(kernel) - 1)

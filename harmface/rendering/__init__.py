@@ -1,6 +1,14 @@
 """Images from geometry and light: the harmonic model, and the oracle without harmonics."""
 
 from harmface.rendering.harmonic_images import harmonic_images, outgoing_radiance, relight
+from harmface.rendering.irradiance import (
+    harmonic_irradiance,
+    irradiance_error,
+    irradiance_map,
+    irradiance_matrix,
+    matrix_irradiance,
+    polynomial_irradiance,
+)
 from harmface.rendering.reference import (
     Phong,
     box_average,
@@ -14,8 +22,14 @@ __all__ = [
     "box_average",
     "clamped_cosines",
     "harmonic_images",
+    "harmonic_irradiance",
     "irradiance",
+    "irradiance_error",
+    "irradiance_map",
+    "irradiance_matrix",
+    "matrix_irradiance",
     "outgoing_radiance",
+    "polynomial_irradiance",
     "relight",
     "render",
 ]

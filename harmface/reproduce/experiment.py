@@ -25,4 +25,5 @@ class Measurement:
     figures: dict[str, Figure] = field(default_factory=dict)
 
 
-Experiment = Callable[[], Measurement]
+Experiment = Callable[..., Measurement]
+"""Runs with its defaults; arguments vary an experiment."""

@@ -4,12 +4,15 @@ import json
 import platform
 import time
 from collections.abc import Callable, Iterable
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
 from harmface.errors import ArgumentError, FileError
-from harmface.io import atomic_write
+from harmface.io import atomic_write, read_environment_map
+from harmface.light import EnvironmentMap, resample
 from harmface.reproduce.claims import load_claims
+from harmface.reproduce.irradiance import MAP_ROWS, natural_errors
 from harmface.reproduce.registry import EXPERIMENTS
 from harmface.reproduce.report import render_report
 from harmface.reproduce.result import Result
@@ -18,6 +21,7 @@ from harmface.reproduce.result import Result
 def reproduce(
     folder: Path,
     only: Iterable[str] = (),
+    environments: Iterable[Path] = (),
     progress: Callable[[str], None] = lambda claim: None,
 ) -> list[Result]:
     """Measure claims and write `report.html` and `results.json`.
@@ -28,6 +32,8 @@ def reproduce(
         Made if missing.
     only
         Ids of the claims to measure; all if empty.
+    environments
+        Lat-long maps that `irradiance-error-natural` is measured on too.
     progress
         Told the id of each claim before it is measured.
 
@@ -41,6 +47,10 @@ def reproduce(
     unknown = [name for name in wanted if name not in claims]
     if unknown:
         raise ArgumentError(f"no claim is called {unknown[0]!r}; there are {', '.join(claims)}")
+    maps = {path.name: _reduced(read_environment_map(path)) for path in environments}
+    experiments = dict(EXPERIMENTS)
+    if maps:
+        experiments["irradiance-error-natural"] = partial(natural_errors, maps)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -49,7 +59,7 @@ def reproduce(
     for name in wanted:
         progress(name)
         started = time.perf_counter()
-        measurement = EXPERIMENTS[name]()
+        measurement = experiments[name]()
         holds = claims[name].holds(measurement.values)
         results.append(Result(claims[name], measurement, holds, time.perf_counter() - started))
     with atomic_write(folder / "report.html") as file:
@@ -57,6 +67,11 @@ def reproduce(
     with atomic_write(folder / "results.json") as file:
         file.write(json.dumps(_as_json(results), indent=1).encode() + b"\n")
     return results
+
+
+def _reduced(environment: EnvironmentMap) -> EnvironmentMap:
+    """Return a map small enough for brute force: cell means, which keep the power."""
+    return resample(environment, "latlong", min(environment.height, MAP_ROWS))
 
 
 def _environment() -> dict[str, str]:

@@ -8,20 +8,23 @@ from typing import Any
 import numpy as np
 
 from data_synth.camera_noise import photograph
+from data_synth.environments import ENVIRONMENTS, quadrature, rasterise
 from data_synth.faces import Head, head
 from data_synth.lightings import Lights
 from data_synth.shapes import SHAPES, Shape
 from harmface.checks import integer, positive_integer
-from harmface.errors import FileError
+from harmface.errors import ArgumentError, FileError
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
-from harmface.io import atomic_write, write_ply
+from harmface.io import atomic_write, write_environment_map, write_ply
 from harmface.light import DistantLight
 from harmface.rendering import box_average, render
+from harmface.sphere import real_harmonics
 
 Progress = Callable[[float], None]
 """Called with the fraction done."""
 
 MANIFEST = "manifest.json"
+COEFFICIENT_DEGREE = 4
 
 
 def mesh_of(surface: Head | Shape) -> Mesh:
@@ -107,6 +110,36 @@ def synthesize_shapes(folder: Path, progress: Progress = lambda done: None) -> N
         write_ply(folder / name, mesh_of(SHAPES[shape]()))
         progress((number + 1) / len(names))
     write_manifest(folder, {"kind": "shapes", "files": list(names.values())})
+
+
+def synthesize_environments(
+    folder: Path, size: int, progress: Progress = lambda done: None
+) -> None:
+    """Write the procedural environments as lat-long maps, and a manifest with coefficients.
+
+    Parameters
+    ----------
+    folder
+        Made if missing; a folder that holds other files is refused.
+    size
+        Columns of the maps, even.
+    progress
+        Told how much is done.
+    """
+    if integer("size", size, 8) % 2:
+        raise ArgumentError(f"size must be even, as a lat-long map is 2 x 1, got {size}")
+    names = {environment: f"{environment}.hdr" for environment in ENVIRONMENTS}
+    prepare_folder(folder, [*names.values(), MANIFEST])
+    entries = []
+    for number, (environment, name) in enumerate(names.items()):
+        made = ENVIRONMENTS[environment]()
+        write_environment_map(folder / name, rasterise(made, size // 2).astype(np.float32))
+        directions, solid_angles = quadrature(made)
+        radiance = made.radiance(directions).T * solid_angles
+        coefficients = radiance @ real_harmonics(directions, COEFFICIENT_DEGREE).T
+        entries.append({"file": name, "coefficients": coefficients.tolist()})
+        progress((number + 1) / len(names))
+    write_manifest(folder, {"kind": "environments", "environments": entries})
 
 
 def prepare_folder(folder: Path, names: list[str]) -> None:

@@ -21,6 +21,14 @@ COMMANDS = [
     ("enroll",),
     ("recognize",),
     ("reproduce",),
+    ("pca",),
+    ("synth", "environments"),
+    ("synth", "dataset"),
+    ("envmap", "project"),
+    ("envmap", "irradiance"),
+    ("envmap", "convert"),
+    ("envmap", "rotate"),
+    ("envmap", "show"),
 ]
 
 
@@ -154,3 +162,34 @@ def test_folders_of_others_are_left_alone(refuses, tmp_path):
     refuses("cannot be used as a folder", "synth", "shapes", "--out", "file")
     refuses("count must be 1 or more", "synth", "faces", "--count", 0, "--out", "new")
     refuses("seed", "synth", "faces", "--count", 1, "--seed", -1, "--out", "new")
+
+
+def test_heads_on_one_sheet(run, tmp_path):
+    arguments = ("synth", "faces", "--count", 2, "--seed", 7, "--sheet", "s.png", "--out", "heads")
+    assert run(*arguments).code == 0
+    sheet = np.asarray(Image.open(tmp_path / "s.png")).astype(float)
+    assert sheet.shape == (192, 384, 3)
+    skin = sheet[96, [96, 288]]
+    assert (skin[:, 0] > skin[:, 2]).all()
+
+
+def test_environments_agree_with_their_coefficients(run, tmp_path):
+    from harmface.io import read_environment_map
+    from harmface.light import project
+
+    assert run("synth", "environments", "--size", 64, "--out", "env").code == 0
+    manifest = json.loads((tmp_path / "env" / "manifest.json").read_text())
+    assert len(manifest["environments"]) >= 7
+    for entry in manifest["environments"]:
+        found = project(read_environment_map(tmp_path / "env" / entry["file"]), 2, "areas")
+        exact = np.array(entry["coefficients"])[:, :9]
+        # A map moves a small lamp by up to half a pixel, here 0.035 across the diagonal, and a
+        # harmonic of degree 2 changes by up to sqrt(6) of an angle. The fine tests are elsewhere.
+        assert np.linalg.norm(found - exact) < 0.085 * np.linalg.norm(exact)
+
+
+def test_a_data_set_from_the_command_line(run, tmp_path):
+    arguments = ("--identities", 1, "--lightings", "ninepoints", "--size", 16, "--out", "set")
+    assert run("synth", "dataset", *arguments).code == 0
+    assert (tmp_path / "set" / "manifest.json").exists()
+    assert run("synth", "dataset", *arguments, "--seed", 1).code == 2

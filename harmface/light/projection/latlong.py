@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.fft import dct
 
 from harmface.conventions import degrees, orders
 from harmface.sphere import real_harmonics, rotate
@@ -128,11 +127,11 @@ def fejer_weights(count: int) -> Float[np.ndarray, "count"]:
     >>> fejer_weights(2)
     array([1., 1.])
     """
-    # The cosine series whose term j integrates to 2 / (1 - j**2), of even j only.
-    series = np.zeros(count)
-    even = np.arange(0, count, 2)
-    series[even] = 2 / count / (1.0 - even**2)
-    return dct(series, type=3)
+    # The integrals 2 / (1 - 4 k**2) of the even Chebyshev polynomials, shifted by half a sample.
+    even = np.arange((count + 1) // 2)
+    spectrum = np.zeros(count + 1, complex)
+    spectrum[: len(even)] = 2 * np.exp(1j * np.pi * even / count) / (1 - 4 * even**2)
+    return np.fft.ifft(spectrum[:-1] + spectrum[:0:-1].conj()).real
 
 
 def _row_functions(

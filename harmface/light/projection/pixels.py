@@ -11,8 +11,8 @@ from harmface.light.layouts import LAYOUTS
 from harmface.light.layouts.cube import FACE_ROTATIONS, FACES
 from harmface.sphere import real_harmonics, rotate
 
-BLOCK = 2**14
-"""Pixels summed at a time: their table and float64 copy stay small, and near the processor."""
+BLOCK = 2**18
+"""Numbers handled at a time, in the table and in the map's float64 copy: 2 MB."""
 
 MAX_CACHED = 2**22
 """Largest table kept for the next map of the same size, in numbers: 32 MB."""
@@ -37,7 +37,7 @@ def _sums(
     """Return the sum of radiance times the table over the last two axes, in float64."""
     height, width = radiance.shape[-2:]
     total = np.zeros((*radiance.shape[:-2], harmonic_count(max_degree)))
-    step = max(1, BLOCK // width)
+    step = max(1, BLOCK // ((total.size // total.shape[-1] + total.shape[-1]) * width))
     for rows, table in _tables(layout, height, max_degree, step):
         block = radiance[..., rows, :].astype(np.float64, order="C")
         total += block.reshape(*block.shape[:-2], -1) @ table.T

@@ -1,0 +1,181 @@
+"""`harmface envmap`: environment maps, their nine numbers, and irradiance from them."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.table import Table
+
+from harmface import checks
+from harmface.cli.common import JsonOption, output
+from harmface.cli.light_source import (
+    FrameOption,
+    LayoutOption,
+    MapArgument,
+    load_light,
+    load_map,
+)
+from harmface.conventions import degree_order
+from harmface.errors import ArgumentError
+from harmface.light import EnvironmentMap
+
+app = typer.Typer(
+    help="Environment maps: project, prefilter, convert, rotate, show.", no_args_is_help=True
+)
+COMPARED_ROWS = 32
+OutMap = Annotated[Path, typer.Option(help="Map to write: .hdr, .pfm or .exr.")]
+
+
+@app.command()
+def project(
+    environment: MapArgument,
+    layout: LayoutOption = "latlong",
+    frame: FrameOption = None,
+    degree: Annotated[int, typer.Option(help="Highest degree.")] = 2,
+    as_json: JsonOption = False,
+) -> None:
+    """Print the lighting coefficients L_lm of a map (RH01 eq. 10), for each channel.
+
+    Example: harmface envmap project forest.hdr --degree 2 --json
+    """
+    from harmface.light import project as project_map
+
+    checks.degree("--degree", degree)
+    coefficients = np.atleast_2d(project_map(load_map(environment, layout, frame), degree))
+    if as_json:
+        typer.echo(json.dumps({"coefficients": coefficients.tolist()}, indent=1))
+        return
+    names = ("red", "green", "blue") if len(coefficients) == 3 else ("grey",)
+    table = Table("l, m", *names)
+    for k, values in enumerate(coefficients.T):
+        l, m = degree_order(k)  # noqa: E741 - the field's name for it
+        table.add_row(f"{l}, {m}", *(f"{value:.6f}" for value in values))
+    output.print(table)
+
+
+@app.command()
+def irradiance(
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MAP|COEFFICIENTS|PROBE",
+            help="A map, a JSON file of `project`, or grace, eucalyptus, st-peters.",
+        ),
+    ],
+    out: OutMap,
+    layout: LayoutOption = "latlong",
+    frame: FrameOption = None,
+    size: Annotated[int, typer.Option(help="Rows of the irradiance map.")] = 128,
+    degree: Annotated[int, typer.Option(help="Highest degree, for maps.")] = 2,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Print the error against brute-force integration.")
+    ] = False,
+) -> None:
+    """Write the irradiance map of any light as a lat-long map (RH01 eq. 7).
+
+    Example: harmface envmap irradiance grace --out grace_irradiance.hdr
+    """
+    from harmface.io import write_environment_map
+    from harmface.light import project as project_map
+    from harmface.light.layouts import layout_named
+    from harmface.rendering import irradiance_error, irradiance_map
+
+    checks.degree("--degree", degree)
+    light = load_light(source, layout, frame)
+    if isinstance(light, EnvironmentMap):
+        coefficients = project_map(light, degree)
+    elif compare:
+        raise ArgumentError("--compare needs a map; coefficients alone cannot tell their error")
+    else:
+        coefficients = light
+    image = irradiance_map(coefficients, "latlong", size)
+    # Nine coefficients of a light with sharp features can dip below zero; a map file cannot.
+    negative = float((image < 0).mean())
+    picture = np.moveaxis(image, 0, -1) if image.ndim == 3 else image
+    write_environment_map(out, np.maximum(picture, 0).astype(np.float32))
+    output.print(f"irradiance in {out}" + (f", {negative:.1%} clipped at 0" if negative else ""))
+    if compare:
+        assert isinstance(light, EnvironmentMap)
+        grid = layout_named("latlong")
+        weights = grid.solid_angles(COMPARED_ROWS) / (4 * np.pi)
+        error = np.abs(
+            irradiance_error(coefficients, light.as_distant_light(), grid.directions(COMPARED_ROWS))
+        )
+        average = (error * weights).sum(axis=(-2, -1)).max()
+        output.print(
+            "error against brute force, as a share of the total intensity: "
+            f"average {average:.2%}, largest {error.max():.2%}"
+        )
+
+
+@app.command()
+def convert(
+    environment: MapArgument,
+    out: OutMap,
+    layout: LayoutOption = "latlong",
+    frame: FrameOption = None,
+    to: Annotated[str, typer.Option(help="Layout of the result.")] = "latlong",
+    size: Annotated[int, typer.Option(help="Rows of the result, or of a cube's face.")] = 256,
+    arrangement: Annotated[
+        str, typer.Option(help="How a cube's faces are laid out.")
+    ] = "vertical-strip",
+) -> None:
+    """Draw a map anew in another layout, antialiased, in our own frame.
+
+    Example: harmface envmap convert probe.hdr --layout angular --to cube --size 256 --out cube.hdr
+    """
+    from harmface.io import write_environment_map
+    from harmface.light import resample
+
+    drawn = resample(load_map(environment, layout, frame), to, size)
+    write_environment_map(out, drawn.as_image(), arrangement=arrangement)
+    output.print(f"{to} map in {out}")
+
+
+@app.command()
+def rotate(
+    environment: MapArgument,
+    out: OutMap,
+    layout: LayoutOption = "latlong",
+    frame: FrameOption = None,
+    azimuth: Annotated[float, typer.Option(help="Degrees about +y, from +z towards +x.")] = 0.0,
+    elevation: Annotated[float, typer.Option(help="Then degrees about +x, +z towards +y.")] = 0.0,
+) -> None:
+    """Turn a map's light, and draw it in the same layout and size, in our own frame.
+
+    Example: harmface envmap rotate forest.hdr --azimuth 90 --out turned.hdr
+    """
+    from scipy.spatial.transform import Rotation
+
+    from harmface.io import write_environment_map
+    from harmface.light import resample
+
+    checks.finite("--azimuth and --elevation", np.array([azimuth, elevation]))
+    turn = Rotation.from_euler("yx", [azimuth, -elevation], degrees=True).as_matrix()
+    found = load_map(environment, layout, frame)
+    turned = resample(found.rotated(turn), found.layout, found.height)
+    write_environment_map(out, turned.as_image())
+    output.print(f"turned map in {out}")
+
+
+@app.command()
+def show(
+    environment: MapArgument,
+    out: Annotated[Path, typer.Option(help="PNG to write.")],
+    layout: LayoutOption = "latlong",
+    frame: FrameOption = None,
+    degree: Annotated[int, typer.Option(help="Highest degree of the reconstruction.")] = 2,
+) -> None:
+    """Draw a map, tone-mapped, beside what its coefficients keep and the irradiance they give.
+
+    Example: harmface envmap show forest.hdr --out forest.png
+    """
+    from harmface.light import project as project_map
+    from harmface.viz import environment_figure, write_figure
+
+    checks.degree("--degree", degree)
+    found = load_map(environment, layout, frame)
+    write_figure(out, environment_figure(found, project_map(found, degree)))
+    output.print(f"picture in {out}")

@@ -1,0 +1,119 @@
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from harmface.io import read_environment_map, write_environment_map
+from harmface.light import EnvironmentMap, cone, project, published_probe
+from harmface.light.layouts import layout_named
+from harmface.sphere import synthesize
+
+LAMP = np.array([0.6, 0.48, 0.64])
+
+
+@pytest.fixture
+def smooth(tmp_path):
+    """A map whose light comes mostly from the right and above."""
+    coefficients = np.stack([cone(LAMP, 1.2, np.array(1.0 + c), 6) for c in range(3)])
+    coefficients[:, 0] += 3
+    directions = layout_named("latlong").directions(32)
+    radiance = np.maximum(synthesize(coefficients, directions), 0)
+    write_environment_map(tmp_path / "m.hdr", np.moveaxis(radiance, 0, -1).astype(np.float32))
+    return "m.hdr"
+
+
+def coefficients_of(outcome):
+    assert outcome.code == 0
+    return np.array(json.loads(outcome.out)["coefficients"])
+
+
+def test_project_prints_channels_by_coefficients(run, smooth, tmp_path):
+    found = coefficients_of(run("envmap", "project", smooth, "--degree", 3, "--json"))
+    assert np.allclose(found, project(read_environment_map(tmp_path / smooth), 3))
+    assert found.shape == (3, 16)
+    # Degree 1 points to the lamp, in the order y, z, x.
+    direction = found[0, [3, 1, 2]] / np.linalg.norm(found[0, 1:4])
+    assert direction @ LAMP > 0.99
+    assert "2, 2" in run("envmap", "project", smooth).out
+
+
+@pytest.mark.parametrize("layout", ["cube", "angular", "mirror-ball"])
+def test_conversion_keeps_the_light(run, smooth, layout):
+    before = coefficients_of(run("envmap", "project", smooth, "--json"))
+    assert (
+        run("envmap", "convert", smooth, "--to", layout, "--size", 64, "--out", "c.hdr").code == 0
+    )
+    after = coefficients_of(run("envmap", "project", "c.hdr", "--layout", layout, "--json"))
+    assert np.linalg.norm(after - before) < 0.01 * np.linalg.norm(before)
+
+
+def test_rotation_turns_the_light_the_way_the_help_says(run, tmp_path):
+    radiance = np.full((32, 64, 3), 0.01, np.float32)
+    radiance[14:18, 30:34] = 20  # straight ahead, +z
+    write_environment_map(tmp_path / "z.hdr", radiance)
+    run("envmap", "rotate", "z.hdr", "--azimuth", 90, "--out", "x.hdr")
+    found = coefficients_of(run("envmap", "project", "x.hdr", "--json"))[0]
+    assert found[3] > 10 * max(abs(found[1]), abs(found[2]))
+    run("envmap", "rotate", "z.hdr", "--elevation", 90, "--out", "y.hdr")
+    found = coefficients_of(run("envmap", "project", "y.hdr", "--json"))[0]
+    assert found[1] > 10 * max(abs(found[2]), abs(found[3]))
+
+
+def test_irradiance_of_maps_coefficients_and_published_probes(run, smooth, tmp_path):
+    outcome = run("envmap", "irradiance", smooth, "--compare", "--size", 16, "--out", "e.hdr")
+    assert outcome.code == 0
+    assert "average 0." in outcome.out
+    from_map = read_environment_map(tmp_path / "e.hdr").radiance
+    (tmp_path / "c.json").write_text(run("envmap", "project", smooth, "--json").out)
+    run("envmap", "irradiance", "c.json", "--size", 16, "--out", "f.hdr")
+    assert np.array_equal(read_environment_map(tmp_path / "f.hdr").radiance, from_map)
+    assert run("envmap", "irradiance", "grace", "--size", 16, "--out", "g.hdr").code == 0
+    grace = read_environment_map(tmp_path / "g.hdr")
+    mean = grace.total() / (4 * np.pi)
+    # The mean irradiance is pi times the mean radiance, L00 / sqrt(4 pi).
+    expected = np.pi * published_probe("grace")[:, 0] / np.sqrt(4 * np.pi)
+    assert np.allclose(mean, expected, rtol=0.02)
+
+
+def test_show_draws_a_picture(run, smooth, tmp_path):
+    assert run("envmap", "show", smooth, "--out", "s.png").code == 0
+    assert np.ptp(np.asarray(Image.open(tmp_path / "s.png").convert("L"))) > 100
+
+
+def test_render_takes_every_kind_of_light(run, smooth, tmp_path):
+    run("synth", "shapes", "--out", "shapes")
+    (tmp_path / "c.json").write_text(run("envmap", "project", smooth, "--json").out)
+    common = ("--size", 32, "--exposure", 0.05)
+    pictures = []
+    for number, source in enumerate((smooth, "c.json")):
+        out = f"{number}.png"
+        arguments = ("render", "shapes/ellipsoid.ply", "--environment", source, "--out", out)
+        assert run(*arguments, *common, "--no-cast-shadows").code == 0
+        pictures.append(np.asarray(Image.open(tmp_path / out)).astype(float))
+    assert np.abs(pictures[0] - pictures[1]).max() < 0.03 * pictures[0].max()
+    out = ("--out", "g.png")
+    assert run("render", "shapes/sphere.ply", "--environment", "grace", *out, *common).code == 0
+
+
+def test_bad_input_is_refused(smooth, refuses, tmp_path):
+    (tmp_path / "bad.json").write_text('{"coefficients": [[1, 2]]}')
+    (tmp_path / "cut.hdr").write_bytes((tmp_path / smooth).read_bytes()[:300])
+    project = ("envmap", "project")
+    refuses("no.hdr: does not exist", *project, "no.hdr")
+    refuses("cut.hdr: ", *project, "cut.hdr")
+    refuses("m.hdr: an angular map", *project, smooth, "--layout", "angular")
+    refuses("layout must be one of", *project, smooth, "--layout", "sphere")
+    refuses("frame of a latlong map", *project, smooth, "--frame", "debevec")
+    refuses("degree must be 0", *project, smooth, "--degree", -1)
+    irradiance = ("envmap", "irradiance")
+    refuses("bad.json: holds no lighting", *irradiance, "bad.json", "--out", "e.hdr")
+    refuses("needs a map", *irradiance, "grace", "--compare", "--out", "e.hdr")
+    refuses("must end in", *irradiance, "grace", "--out", "e.jpg")
+
+
+def test_grey_maps_have_one_channel(run, tmp_path):
+    write_environment_map(tmp_path / "g.pfm", np.ones((8, 16), np.float32))
+    found = coefficients_of(run("envmap", "project", "g.pfm", "--degree", 0, "--json"))
+    assert np.allclose(found, [[np.sqrt(4 * np.pi)]])
+    assert EnvironmentMap.from_image(np.ones((8, 16))).channels == ()
