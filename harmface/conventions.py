@@ -139,7 +139,7 @@ def angles_from_directions(
     The arc tangent of both components keeps full precision near the poles.
     """
     x, y, z = np.moveaxis(directions, -1, 0)
-    return np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)
+    return np.asarray(np.arctan2(np.hypot(x, y), z)), np.asarray(np.arctan2(y, x))
 
 
 def light_direction(azimuth: float, elevation: float) -> Float[np.ndarray, "3"]:
@@ -163,7 +163,7 @@ def light_direction(azimuth: float, elevation: float) -> Float[np.ndarray, "3"]:
 
 def luminance(rgb: Float[np.ndarray, "*pixels 3"]) -> Float[np.ndarray, "*pixels"]:
     """Return the luminance of linear RGB values (Rec. 709 primaries)."""
-    return rgb @ np.asarray(LUMINANCE, dtype=rgb.dtype)
+    return np.asarray(rgb @ np.asarray(LUMINANCE, dtype=rgb.dtype))
 
 
 def srgb_to_linear(encoded: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
@@ -206,6 +206,7 @@ def rh01_frame() -> Float[np.ndarray, "3 3"]:
     """Return the identity: the angular map of [RH01]_ figure 3, centre +z, +x at the right.
 
     Looking to +z with +y up, +x is at the left: the published tables belong to mirrored probes.
+    They also belong to half a pixel's shift, see `light.layouts.RH01Probe`.
     """
     return np.eye(3)
 
@@ -267,9 +268,10 @@ MAP_FRAMES = {
     ("latlong", "y-up"): y_up_latlong_frame,
     ("latlong", "z-up"): z_up_latlong_frame,
     ("latlong", "three.js"): three_js_latlong_frame,
+    ("angular", "figure-3"): rh01_frame,
     ("angular", "rh01"): rh01_frame,
     ("angular", "debevec"): debevec_frame,
-    ("mirror-ball", "rh01"): rh01_frame,
+    ("mirror-ball", "figure-3"): rh01_frame,
     ("mirror-ball", "debevec"): debevec_frame,
     ("cube", "openexr"): openexr_frame,
     ("cube", "opengl"): opengl_cube_frame,

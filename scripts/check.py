@@ -1,5 +1,6 @@
 """Run every check: lint, format, types, layers, tests. Stops at the first that fails."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -13,13 +14,18 @@ CHECKS = (
     ("pytest", "-n", "2", "--durations", "10"),
 )
 
+# The tests run in as many processes as there are cores; more threads would only get in the way.
+ENVIRONMENT = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
 
 def main() -> None:
     """Run the checks of the environment that this script runs in."""
     programs = Path(sys.executable).parent
     for name, *arguments in CHECKS:
         print(f"== {name} {' '.join(arguments)}", flush=True)
-        found = subprocess.run([programs / name, *arguments], cwd=ROOT, check=False)
+        found = subprocess.run(
+            [programs / name, *arguments], cwd=ROOT, env=ENVIRONMENT, check=False
+        )
         if found.returncode:
             sys.exit(found.returncode)
 

@@ -23,8 +23,6 @@ def rng() -> np.random.Generator:
 
 
 @pytest.fixture
-def unchecked():
+def unchecked(monkeypatch):
     """Leave shapes to the guards alone, as outside the tests."""
-    config.update("jaxtyping_disable", True)
-    yield
-    config.update("jaxtyping_disable", False)
+    monkeypatch.setattr(config, "jaxtyping_disable", True)

@@ -17,7 +17,7 @@ from harmface.cli.light_source import (
     load_light,
     load_map,
 )
-from harmface.conventions import degree_order
+from harmface.conventions import degree_order, max_degree_of
 from harmface.errors import ArgumentError
 from harmface.light import EnvironmentMap
 
@@ -69,6 +69,10 @@ def irradiance(
     frame: FrameOption = None,
     size: Annotated[int, typer.Option(help="Rows of the irradiance map.")] = 128,
     degree: Annotated[int, typer.Option(help="Highest degree, for maps.")] = 2,
+    window: Annotated[
+        str | None,
+        typer.Option(help="Against ringing: hann, lanczos, or non-negative. Off unless asked."),
+    ] = None,
     compare: Annotated[
         bool, typer.Option("--compare", help="Print the error against brute-force integration.")
     ] = False,
@@ -78,8 +82,8 @@ def irradiance(
     Example: harmface envmap irradiance grace --out grace_irradiance.hdr
     """
     from harmface.io import write_environment_map
+    from harmface.light import layout_named, windowed
     from harmface.light import project as project_map
-    from harmface.light.layouts import layout_named
     from harmface.rendering import irradiance_error, irradiance_map
 
     checks.degree("--degree", degree)
@@ -90,6 +94,8 @@ def irradiance(
         raise ArgumentError("--compare needs a map; coefficients alone cannot tell their error")
     else:
         coefficients = light
+    if window is not None:
+        coefficients = windowed(coefficients, _window(window, coefficients.shape[-1]))
     image = irradiance_map(coefficients, "latlong", size)
     # Nine coefficients of a light with sharp features can dip below zero; a map file cannot.
     negative = float((image < 0).mean())
@@ -179,3 +185,17 @@ def show(
     found = load_map(environment, layout, frame)
     write_figure(out, environment_figure(found, project_map(found, degree)))
     output.print(f"picture in {out}")
+
+
+def _window(name: str, count: int) -> np.ndarray:
+    """Return the weights of a window by its name, one for each degree."""
+    from harmface.light import hann_window, lanczos_window, non_negative_window
+    from harmface.reflectance import lambert_coefficients
+
+    degree = max_degree_of(count)
+    if name == "non-negative":
+        return non_negative_window(lambert_coefficients(degree))
+    windows = {"hann": hann_window, "lanczos": lanczos_window}
+    if name not in windows:
+        raise ArgumentError(f"--window must be hann, lanczos or non-negative, got {name!r}")
+    return windows[name](degree)

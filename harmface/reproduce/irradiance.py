@@ -8,9 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from data_synth.environments import ENVIRONMENTS, rasterise
+from data_synth.faces import mean_head
+from data_synth.shapes import sphere
+from harmface.geometry import Mesh, frame_orthographic, gbuffer
 from harmface.light import EnvironmentMap, layout_named, project, published_probe
 from harmface.light.published import PUBLISHED_PROBES
 from harmface.rendering import (
+    harmonic_images,
     harmonic_irradiance,
     irradiance,
     irradiance_map,
@@ -19,8 +23,9 @@ from harmface.rendering import (
     polynomial_irradiance,
 )
 from harmface.reproduce.experiment import Measurement
+from harmface.reproduce.synthetic import mesh_of
 from harmface.sphere import random_directions
-from harmface.viz import show_linear
+from harmface.viz import basis_figure, show_linear
 
 MAP_ROWS = 64
 NORMAL_ROWS = 32
@@ -43,7 +48,17 @@ def three_forms() -> Measurement:
         )
         scale = np.abs(forms).max()
         worst = max(worst, float(np.ptp(forms, axis=0).max() / scale))
-    return Measurement([worst], "The constants of RH01 eq. 12 are used to all digits.")
+    figures = {
+        f"The irradiance basis functions A_l Y_lm on {name}, as RH01 figure 4: green above zero, "
+        "blue below.": _basis_on(mesh)
+        for name, mesh in {"a sphere": mesh_of(sphere()), "a head": mesh_of(mean_head())}.items()
+    }
+    return Measurement([worst], "The constants of RH01 eq. 12 are used to all digits.", figures)
+
+
+def _basis_on(mesh: Mesh) -> Figure:
+    view = gbuffer(mesh, frame_orthographic(mesh, 160), 2)
+    return basis_figure(harmonic_images(view.normals, view.mask.astype(float)), view.mask)
 
 
 @lru_cache(maxsize=1)

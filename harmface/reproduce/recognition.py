@@ -26,7 +26,10 @@ def small_set(
     gallery = enroll(meshes, size)
     rng = np.random.default_rng(seed)
     photographs = np.stack(
-        [probe_images(mesh, mixed(probes_each, rng), size, rng) for mesh in meshes.values()]
+        [
+            probe_images(mesh, mixed(probes_each, rng, directions=256), size, rng)
+            for mesh in meshes.values()
+        ]
     )
     probes = photographs.reshape(-1, size, size)[:, gallery.mask]
     truth = np.repeat(list(meshes), probes_each)

@@ -76,6 +76,17 @@ def test_irradiance_of_maps_coefficients_and_published_probes(run, smooth, tmp_p
     assert np.allclose(mean, expected, rtol=0.02)
 
 
+def test_a_window_is_applied_on_request_only(run, tmp_path):
+    arguments = ("envmap", "irradiance", "grace", "--size", 16, "--out", "g.hdr")
+    assert "clipped" in run(*arguments).out
+    plain = read_environment_map(tmp_path / "g.hdr").radiance
+    assert "clipped" not in run(*arguments, "--window", "non-negative").out
+    softened = read_environment_map(tmp_path / "g.hdr").radiance
+    assert np.ptp(softened) < np.ptp(plain)
+    for name in ("hann", "lanczos"):
+        assert run(*arguments, "--window", name).code == 0
+
+
 def test_show_draws_a_picture(run, smooth, tmp_path):
     assert run("envmap", "show", smooth, "--out", "s.png").code == 0
     assert np.ptp(np.asarray(Image.open(tmp_path / "s.png").convert("L"))) > 100
@@ -109,6 +120,7 @@ def test_bad_input_is_refused(smooth, refuses, tmp_path):
     irradiance = ("envmap", "irradiance")
     refuses("bad.json: holds no lighting", *irradiance, "bad.json", "--out", "e.hdr")
     refuses("needs a map", *irradiance, "grace", "--compare", "--out", "e.hdr")
+    refuses("hann, lanczos", *irradiance, "grace", "--window", "flat", "--out", "e.hdr")
     refuses("must end in", *irradiance, "grace", "--out", "e.jpg")
 
 

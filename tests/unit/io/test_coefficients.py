@@ -1,0 +1,34 @@
+import numpy as np
+import pytest
+
+from harmface.errors import FileError
+from harmface.io import read_coefficients, write_coefficients
+
+
+def test_what_is_written_is_read(tmp_path, rng):
+    coefficients = rng.standard_normal((3, 16))
+    write_coefficients(tmp_path / "c.json", coefficients)
+    assert np.array_equal(read_coefficients(tmp_path / "c.json"), coefficients)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[1",
+        "[]",
+        "{}",
+        "null",
+        '{"coefficients": 1}',
+        '{"coefficients": [1, 2, 3, 4]}',
+        '{"coefficients": [[1, 2, 3]]}',
+        '{"coefficients": [[1, 2], [3]]}',
+        '{"coefficients": [["a"]]}',
+        '{"coefficients": [[NaN]]}',
+        '{"coefficients": {"a": 1}}',
+    ],
+)
+def test_anything_else_is_refused(tmp_path, text):
+    (tmp_path / "c.json").write_text(text)
+    with pytest.raises(FileError, match=r"c\.json"):
+        read_coefficients(tmp_path / "c.json")
