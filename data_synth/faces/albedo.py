@@ -59,7 +59,7 @@ def paint(c: np.ndarray, p: dict[str, float], spots: np.ndarray) -> np.ndarray:
     tan = tan + 0.10 * p["freckles"] * front * ramp(spots - 1.0) * bump(x / 70, (y + 20) / 60)
     colour = skin(tan, blood)
 
-    strand = np.array([0.40, 0.29, 0.17]) * np.exp(-p["hair_melanin"] * np.array([2.5, 2.8, 2.9]))
+    strand = np.array([0.36, 0.26, 0.15]) * np.exp(-p["hair_melanin"] * np.array([2.5, 2.8, 2.9]))
     strand = strand + p["grey"] * (0.42 - strand)
     scalp = np.maximum(hair_mask(c, p, 10.0), ramp(4 * long_hair_mask(c, p)))
     colour = _cover(colour, strand * (1 + 0.12 * spots[:, None]), p["hair_cover"] * scalp)

@@ -21,8 +21,8 @@ _OUT = np.array([  # distance from the middle as a fraction of the outline's
     (0.76, 0.76, 0.78, 0.76, 0.86, 0.80, 0.68, 0.76),
     (0.93, 0.93, 0.92, 0.90, 0.94, 0.90, 0.90, 0.92),
     (1.00, 1.00, 1.00, 1.00, 1.00, 0.96, 1.00, 1.00),
-    (0.90, 0.92, 0.94, 0.96, 1.04, 0.94, 0.92, 0.92),
-    (0.30, 0.60, 0.72, 0.88, 1.08, 0.90, 0.66, 0.50),
+    (0.90, 0.92, 0.95, 1.00, 1.04, 0.99, 0.93, 0.92),
+    (0.30, 0.60, 0.80, 1.02, 1.10, 1.02, 0.72, 0.50),
 ])  # fmt: skip
 _HIGH = np.array([  # height over the plane of the ear, mm
     (-9.0, -9.0, -9.0, -9.0, -9.0, -9.0, -9.0, -9.0),
@@ -30,10 +30,10 @@ _HIGH = np.array([  # height over the plane of the ear, mm
     (0.0,  1.0, -1.0, -4.0,  3.5, -2.0,  2.0,  1.5),
     (2.5,  2.5,  1.5, -2.5,  4.0,  0.0,  1.0,  2.5),
     (-1.0, -1.0, -1.5, -1.0, 1.0,  0.0,  0.5, -0.5),
-    (1.5,  2.0,  2.0,  1.5, -1.0,  0.0,  0.8,  1.0),
-    (0.0,  0.0,  0.0,  0.0, -2.0, -1.5, -0.5,  0.0),
-    (-3.0, -3.0, -2.5, -2.0, -3.0, -2.5, -2.0, -3.0),
-    (-8.0, -8.0, -7.0, -5.0, -3.0, -4.0, -6.0, -8.0),
+    (1.5,  2.0,  2.0,  1.5,  1.5,  0.5,  0.8,  1.0),
+    (0.0,  0.0,  0.0,  1.0,  1.8,  0.5, -0.5,  0.0),
+    (-3.0, -3.0, -2.0,  0.8,  1.6,  0.5, -1.5, -3.0),
+    (-6.0, -6.0, -4.0,  0.0,  1.0,  0.0, -3.0, -6.0),
 ])  # fmt: skip
 
 
@@ -53,13 +53,13 @@ def add_ears(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
 
     flare, lean = np.radians(p["ear_flare"]), np.radians(12.0)
     hinge = 15.0
-    lateral = (back + hinge) * np.sin(flare) + high * np.cos(flare) - 1.0
+    lateral = (back + hinge) * np.sin(flare) + high * np.cos(flare)
     rear = back * np.cos(flare) - high * np.sin(flare)
     rear, up = rear * np.cos(lean) + up * np.sin(lean), up * np.cos(lean) - rear * np.sin(lean)
-    # The root of the ear sits on the skin, wherever that is; the shell keeps its own place.
     skin = c[rows] + out[rows]
-    lateral += _SIDE + ramp((reach - 0.5) / 0.4) * (skin[:, 0] - _SIDE)
-    target = np.stack([lateral, CENTRE[0] + p["ear_level"] + up, CENTRE[1] + 2 - rear], axis=1)
+    target = np.stack(
+        [_SIDE + lateral, CENTRE[0] + p["ear_level"] + up, CENTRE[1] + 2 - rear], axis=1
+    )
     blend = ramp((1.0 - reach) / 0.13)[:, None]
     out[rows] += blend * (target - skin)
 

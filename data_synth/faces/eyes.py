@@ -3,6 +3,7 @@
 import numpy as np
 
 from .fields import bump, inside, ramp, soft_max
+from .parameters import MEAN
 
 CENTRE = (31.0, 0.0)  # canonical x and y of the pupil
 _BALL = 12.0  # radius of the eyeball, mm
@@ -43,11 +44,11 @@ def add_eyes(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     socket = skin + p["lid_fold"] * middle * bump((y - upper - 7.0) / 4.5)
     socket -= 1.0 * middle * bump((y - upper - 2.8) / 3.2)
     socket += p["eye_bag"] * middle * bump((y - lower + 6.5) / 4.5)
-    socket -= 0.8 * p["eye_bag"] * bump(x / 20.0) * bump((y - lower + 11.0) / 4.5)
+    socket -= 0.8 * p["eye_bag"] * middle * bump((y - lower + 11.0) / 4.5)
     lid = soft_max(socket, dome(_BALL + _LID), np.where(y > 0, 1.6, 3.2))
     ball = dome(_BALL) + 0.9 * bump(reach / 6.8)
     wet = np.minimum(soft_max(ball, lid - 2.4, 0.8), lid - 0.5)
     height = lid + opening(x, y, p) * (wet - lid)
     within = ramp((1 - np.hypot(x / 32.0, y / 24.0)) / 0.42)
     out[rows, 2] += within * (height - skin)
-    out[rows, 0] += (p["intercanthal_width"] - 32.8) / 2 * within
+    out[rows, 0] += (p["intercanthal_width"] - MEAN["intercanthal_width"]) / 2 * within

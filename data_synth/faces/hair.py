@@ -1,4 +1,4 @@
-"""Where hair grows: scalp, eyebrows and beard, from 0 to 1."""
+"""Hair: where it grows on scalp, brows and chin, from 0 to 1, and how far it stands out."""
 
 import numpy as np
 
@@ -27,6 +27,7 @@ def add_hair(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     thick = p["hair_volume"] * ramp((c[:, 1] + 20.0) / 70.0) + 0.25 * p["hair_volume"]
     thick *= ramp((around_ear(c)[0] - 0.7) / 0.8)  # tucked behind the ears
     out += outward * (thick * hair_mask(c, p, 26.0) / 1.25)[:, None]
+    # Long hair falls straight down where the neck recedes.
     hang = long_hair_mask(c, p)
     back = np.minimum(c[:, 2] + 20.0, -1.0)
     reach = np.hypot(c[:, 0] / 70.0, back / 76.0)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from .fields import bump, inside
+from .parameters import MEAN
 from .splines import cardinal_weights
 
 # Along the mid-line from above the root to the lip: canonical height, then how far the skin is
@@ -34,10 +35,12 @@ def add_nose(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     weights = cardinal_weights(_TOP - _PROFILE[:, 0], _TOP - y, even=False)
     down, forward, half = (weights @ _PROFILE[:, 1:]).T
     tip = bump((y + 33.0) / 17.0)
-    forward += (p["nose_protrusion"] - 19.5) * bump((y + 30.0) / 34.0)
-    forward += (p["bridge_height"] - 4.5) * bump(y / 24.0)
+    forward += (p["nose_protrusion"] - MEAN["nose_protrusion"]) * bump((y + 30.0) / 34.0)
+    forward += (p["bridge_height"] - MEAN["bridge_height"]) * bump(y / 24.0)
     forward += p["nasal_hump"] * bump((y + 13.0) / 14.0)
-    half += (p["bridge_breadth"] - 13.0) * bump((y + 8.0) / 22.0) + (p["tip_breadth"] - 9.0) * tip
+    half += (p["bridge_breadth"] - MEAN["bridge_breadth"]) * bump((y + 8.0) / 22.0) + (
+        p["tip_breadth"] - MEAN["tip_breadth"]
+    ) * tip
     q = np.minimum(x / half, 1.0)
     ridge = 0.72 * (1 - q**2.3) ** 2 + 0.28 * bump(x / (half + 12.0))
     lift = forward * ridge
@@ -46,7 +49,7 @@ def add_nose(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     # The tip is a ball; the wings stand out sideways and end in a fold towards the cheek.
     lift += 2.6 * bump(x / (p["tip_breadth"] + 5.0), (y + 33.5) / 11.0)
     wing = bump((x - 12.0) / 8.0, (y + 37.5) / np.where(y > -37.5, 14.0, 8.5))
-    side = (4.2 + (p["nose_breadth"] - 34.5) / 2) * wing
+    side = (4.2 + (p["nose_breadth"] - MEAN["nose_breadth"]) / 2) * wing
     lift += (p["wing_size"] - 0.6) * wing
     drop -= 4.6 * bump((x - 10.5) / 8.5, (y + 41.0) / 8.0)
     lift -= 1.2 * bump((x - 20.0) / 5.0, (y + 38.0) / 11.0)

@@ -109,12 +109,14 @@ def build_head(parameters: Mapping[str, float], n_vertices: int = 20_000) -> Hea
     (3, 52.0)
     """
     _check_parameters(parameters)
-    if not (isinstance(n_vertices, int) and MIN_VERTICES <= n_vertices <= MAX_VERTICES):
+    if not (
+        isinstance(n_vertices, int | np.integer) and MIN_VERTICES <= n_vertices <= MAX_VERTICES
+    ):
         raise ValueError(
             f"n_vertices: an integer from {MIN_VERTICES} to {MAX_VERTICES} is required, "
             f"got {n_vertices!r}"
         )
-    figure = _figure(n_vertices)
+    figure = _figure(int(n_vertices))
     person = MEAN | {name: float(value) for name, value in parameters.items()}
     vertices, normals, albedo = figure(person)
     return Head(vertices, figure.faces.copy(), normals, albedo, figure.uvs.copy(), person)

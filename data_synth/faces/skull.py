@@ -8,7 +8,7 @@ they follow the jaw line and then its underside.
 import numpy as np
 
 from .fields import bump, ramp
-from .parameters import FACE, SKULL
+from .parameters import FACE, MEAN, SKULL
 from .splines import cardinal_weights
 
 # One ring a row, all lengths in mm: disc radius v; front (y, z); side (x, y, z); back (y, z);
@@ -20,10 +20,10 @@ RINGS = np.array([
     (0.17,  90,   63,   58,   90,  -14,   92,  -72,  -0.03,  0.01),
     (0.26,  56,   88,   72,   62,  -17,   62,  -92,  -0.02,  0.03),
     (0.34,  22,   94,   76,   35,  -18,   35,  -98,   0.00,  0.04),
-    (0.40,   2,   86,   75,   10,  -16,    8,  -97,   0.03,  0.05),
-    (0.47, -20,   83,   71,  -12,  -14,  -18,  -91,   0.05,  0.06),
-    (0.54, -45,   88,   67,  -30,  -13,  -42,  -80,   0.06,  0.05),
-    (0.60, -66,   89,   63,  -46,  -13,  -57,  -73,   0.06,  0.04),
+    (0.40,   2,   86,   74,   10,  -16,    8,  -97,   0.03,  0.05),
+    (0.47, -20,   83,   69,  -12,  -14,  -18,  -91,   0.05,  0.06),
+    (0.54, -45,   88,   65,  -30,  -13,  -42,  -80,   0.06,  0.05),
+    (0.60, -66,   89,   62,  -46,  -13,  -57,  -73,   0.06,  0.04),
     (0.65, -84,   85,   59,  -57,  -14,  -66,  -69,   0.05,  0.03),
     (0.69, -98,   86,   56,  -66,  -15,  -73,  -67,   0.03,  0.01),
     (0.73, -110,  79,   54,  -75,  -16,  -80,  -66,   0.01,  0.00),
@@ -47,12 +47,11 @@ def rings(p: dict[str, float]) -> np.ndarray:
     r[:, [1, 4, 6]] = np.interp(r[:, [1, 4, 6]], level, moved)
     r[:, 4] -= d["gonial_drop"] * np.interp(v, [0.54, 0.69, 0.78, 0.91], [0, 1, 1, 0])
 
-    r[:, 3] *= 1 + np.interp(
-        v, [0.34, 0.43, 0.54, 0.65, 0.78, 0.9],
-        np.array([d["head_breadth"] / 152] * 1 + [d["bizygomatic_breadth"] / 138] * 2
-                 + [d["bigonial_breadth"] / 113] * 2 + [d["neck_breadth"] / 108]))  # fmt: skip
+    breadths = ("head_breadth", "bizygomatic_breadth", "bigonial_breadth", "neck_breadth")
+    wider = np.array([p[name] / MEAN[name] for name in breadths])
+    r[:, 3] *= np.interp(v, [0.34, 0.43, 0.54, 0.65, 0.78, 0.9], wider[[0, 1, 1, 2, 2, 3]])
     r[:, 8] += 0.012 * d["face_flatness"] * np.interp(v, [0.3, 0.42, 0.66, 0.76], [0, 1, 1, 0])
-    long = 1 + d["head_length"] / 193 * np.interp(v, [0.54, 0.8], [1, 0])
+    long = 1 + d["head_length"] / MEAN["head_length"] * np.interp(v, [0.54, 0.8], [1, 0])
     r[:, [2, 5, 7]] *= long[:, None]
     thick = d["neck_depth"] * np.interp(v, [0.69, 0.88], [0, 1])
     r[:, 2] += 0.3 * thick
@@ -68,7 +67,7 @@ def rings(p: dict[str, float]) -> np.ndarray:
 
 
 def add_relief(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
-    """Bones and flesh between the features, at canonical points `c` of the right half."""
+    """Add bones and flesh between the features at canonical points `c` (right half) to `out`."""
     x, y, z = c.T
     rows = np.flatnonzero(z > 0)
     x, y, z = x[rows], y[rows], z[rows]
@@ -81,7 +80,7 @@ def add_relief(c: np.ndarray, out: np.ndarray, p: dict[str, float]) -> None:
     lift -= 8.5 * at(30, -1, 26, 20) + 3.5 * at(17, 2, 10, 16)
     lift += 3 * at(0, -102, p["chin_breadth"], 18)
     lift -= p["chin_cleft"] * at(0, -101, 4, 12)
-    lift -= (p["mentolabial_depth"] - 1.5) * at(0, -83, 18, 8)
+    lift -= (p["mentolabial_depth"] - MEAN["mentolabial_depth"]) * at(0, -83, 18, 8)
     for level in (40.0, 53.0):
         lift -= p["forehead_lines"] * at(0, level, 46, 5.5)
     side = -p["temple_hollow"] * bump((x - 66) / 25, (y - 28) / 34, (z - 42) / 40)

@@ -107,7 +107,7 @@ def asymmetry_fields(c: np.ndarray) -> np.ndarray:
 
 
 def unevenness(c: np.ndarray, pattern: int) -> np.ndarray:
-    """Evaluate a random field of unit variance with wavelengths from 8 to 40 mm."""
+    """Evaluate a random field of unit variance with wavelengths from 7 to 40 mm."""
     rng = np.random.default_rng(pattern)
     count = 12
     direction = rng.normal(size=(count, 3))

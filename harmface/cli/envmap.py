@@ -132,10 +132,10 @@ def convert(
 
     Example: harmface envmap convert probe.hdr --layout angular --to cube --size 256 --out cube.hdr
     """
-    from harmface.io import write_environment_map
+    from harmface.io import file_layout, write_environment_map
     from harmface.light import resample
 
-    drawn = resample(load_map(environment, layout, frame), to, size)
+    drawn = resample(load_map(environment, layout, frame), file_layout(to), size)
     write_environment_map(out, drawn.as_image(), arrangement=arrangement)
     output.print(f"{to} map in {out}")
 

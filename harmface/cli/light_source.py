@@ -18,7 +18,8 @@ LayoutOption = Annotated[
 FrameOption = Annotated[
     str | None,
     typer.Option(
-        help="Whose frame the map is in: openexr, rh01, debevec, opengl, three.js, y-up or z-up."
+        help="Whose convention the file follows: openexr, rh01, figure-3, debevec, opengl, "
+        "three.js, y-up or z-up; by default openexr, for angular maps rh01, for balls figure-3."
     ),
 ]
 

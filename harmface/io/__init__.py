@@ -3,15 +3,21 @@
 from harmface.io.atomic import atomic_write
 from harmface.io.coefficients import read_coefficients, write_coefficients
 from harmface.io.datasets import Dataset, read_dataset
-from harmface.io.environment_maps import read_environment_map, write_environment_map
+from harmface.io.environment_maps import (
+    file_layout,
+    read_environment_map,
+    write_environment_map,
+)
 from harmface.io.galleries import read_gallery, write_gallery
 from harmface.io.images import read_image, write_image
 from harmface.io.meshes import read_mesh, write_ply
 from harmface.io.npz import read_npz, write_npz
+from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 
 __all__ = [
     "Dataset",
     "atomic_write",
+    "file_layout",
     "read_coefficients",
     "read_dataset",
     "read_environment_map",
@@ -19,10 +25,12 @@ __all__ = [
     "read_image",
     "read_mesh",
     "read_npz",
+    "read_probe_grid",
     "write_coefficients",
     "write_environment_map",
     "write_gallery",
     "write_image",
     "write_npz",
     "write_ply",
+    "write_probe_grid",
 ]

@@ -20,7 +20,7 @@ from harmface.light.cube_arrangements import (
     image_from_faces,
     opengl_order_of_cross,
 )
-from harmface.light.layouts import layout_named
+from harmface.light.layouts import Layout, RH01Probe, layout_named
 
 _READERS = {
     ".hdr": read_radiance_hdr,
@@ -50,7 +50,8 @@ def read_environment_map(
         "latlong", "angular", "mirror-ball" or "cube".
     frame
         Where the map's maker says its pixels look, see `conventions.MAP_FRAMES`; by default as
-        our layouts.
+        our layouts. Angular maps are read as by the program behind the published tables, see
+        `file_layout`, unless their frame is "figure-3" or "debevec".
     srgb
         Whether the values are encoded in sRGB, to be made linear; only for images of 8 or 16
         bits, whose values are taken as linear otherwise.
@@ -63,7 +64,7 @@ def read_environment_map(
     ArgumentError
         If there is no such layout or frame.
     """
-    form = layout_named(layout)
+    form = file_layout(layout, frame)
     matrix = map_frame(layout, frame)
     name = str(path if isinstance(path, Path | str) else path[0])
     try:
@@ -78,6 +79,24 @@ def read_environment_map(
         raise FileError(f"{name}: {error}") from None
     _check_corners(name, environment)
     return environment
+
+
+def file_layout(layout: str, frame: str | None = None) -> Layout:
+    """Return where the pixels of a map file look.
+
+    An angular map without another frame is taken, and made, as RH01's program takes one, each
+    pixel at its upper left corner: only so do Debevec's probes give the published tables.
+
+    Parameters
+    ----------
+    layout
+        "latlong", "angular", "mirror-ball" or "cube".
+    frame
+        Whose convention the file follows, see `conventions.MAP_FRAMES`.
+    """
+    if layout == "angular" and frame in (None, "rh01"):
+        return RH01Probe()
+    return layout_named(layout)
 
 
 def write_environment_map(

@@ -97,14 +97,14 @@ def _size(library: ModuleType, path: Path | str) -> tuple[int, int]:
 
 @contextlib.contextmanager
 def _reading(path: Path | str) -> Iterator[None]:
-    """Turn what the library raises, and what it only prints and passes over, into one error."""
+    """Turn what the library prints and raises into one error; what it prints says more."""
     said = ""
     with contextlib.redirect_stdout(io.StringIO()) as printed, _silent_stderr():
         try:
             yield
         except (KeyError, OverflowError, RuntimeError, TypeError, ValueError) as error:
             said = str(error) or type(error).__name__
-    said = said or printed.getvalue()
+    said = printed.getvalue() or said
     if said:
         raise FileError(
             f"{path}: is not a whole OpenEXR picture ({said.splitlines()[0]}); "

@@ -17,6 +17,7 @@ from harmface import checks
 from harmface.errors import ArgumentError, FileError
 from harmface.io.atomic import atomic_write
 from harmface.io.files import read_bytes
+from harmface.io.opencv import quiet_opencv
 
 MAX_PIXELS = 2**27
 """Largest picture read: 134 megapixels, 1.6 GB as float32 in three channels."""
@@ -85,19 +86,6 @@ def write_radiance_hdr(path: Path | str, image: Float[np.ndarray, "H W *channels
         raise FileError(f"{path}: could not be encoded as a Radiance picture")
     with atomic_write(path) as file:
         file.write(encoded.tobytes())
-
-
-@contextmanager
-def quiet_opencv() -> Iterator[None]:
-    """Keep OpenCV from printing about what is raised here anyway."""
-    import cv2
-
-    before = cv2.utils.logging.getLogLevel()
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    try:
-        yield
-    finally:
-        cv2.utils.logging.setLogLevel(before)
 
 
 @contextmanager

@@ -12,7 +12,11 @@ from harmface.reproduce.synthetic import mesh_of, probe_images, subject_seed
 
 
 def small_set(
-    subjects: int = 42, probes_each: int = 6, size: int = 64, seed: int = 2005
+    subjects: int = 42,
+    probes_each: int = 6,
+    size: int = 64,
+    seed: int = 2005,
+    identity_scale: float = 1.0,
 ) -> Measurement:
     """Recognise 42 subjects, enrolled as meshes, from photographs under light never seen before.
 
@@ -20,7 +24,9 @@ def small_set(
     ambient, area and point lights. [R05 0.4.1]
     """
     meshes = {
-        f"subject {number:02d}": mesh_of(head(subject_seed(seed, number)))
+        f"subject {number:02d}": mesh_of(
+            head(subject_seed(seed, number), identity_scale=identity_scale)
+        )
         for number in range(subjects)
     }
     gallery = enroll(meshes, size)

@@ -1,7 +1,7 @@
 """Arrangements of all directions in an image: lat-long, angular, mirror ball, cube."""
 
 from harmface.errors import ArgumentError
-from harmface.light.layouts.angular import Angular
+from harmface.light.layouts.angular import Angular, RH01Probe
 from harmface.light.layouts.cube import FACES, Cube
 from harmface.light.layouts.latlong import LatLong
 from harmface.light.layouts.layout import Layout
@@ -36,5 +36,6 @@ __all__ = [
     "LatLong",
     "Layout",
     "MirrorBall",
+    "RH01Probe",
     "layout_named",
 ]

@@ -13,10 +13,10 @@ eight nodes integrate them to rounding even on the coarsest grid that cuts the d
 
 
 def disc_solid_angles(
-    size: int,
+    lines: Float[np.ndarray, "lines"],
     cap: Callable[[Float[np.ndarray, "..."]], Float[np.ndarray, "..."]],
     rows: slice = ALL,
-) -> Float[np.ndarray, "rows size"]:
+) -> Float[np.ndarray, "rows columns"]:
     """Return the solid angle of every pixel of a square that circumscribes a map's disc.
 
     The disc of radius 1 shows direction `theta` from +z at radius `r`, all azimuths alike. With
@@ -28,8 +28,8 @@ def disc_solid_angles(
 
     Parameters
     ----------
-    size
-        Pixels on a side.
+    lines
+        Where the pixels' edges are, across as down, from -1 to 1.
     cap
         The function above, smooth in `r**2`.
     rows
@@ -40,19 +40,18 @@ def disc_solid_angles(
     solid_angles
         In steradians; zero for pixels outside the disc.
     """
-    lines = np.linspace(-1, 1, size + 1)
-    some = range(size)[rows]
+    some = range(len(lines) - 1)[rows]
     near = lines[some.start : some.stop + 1]
     horizontal, vertical = _edge_integrals(near, lines, cap), _edge_integrals(lines, near, cap)
     solid_angles = np.diff(horizontal, axis=0) + np.diff(vertical, axis=0).T
 
-    # The rim's arcs: cut it at every grid line, u = t and v = t, and give each arc to its pixel.
+    # The rim's arcs: cut it at every grid line, across and down, and give each arc to its pixel.
     points = lines + 1j * np.sqrt(1 - lines**2)
     crossings = np.concatenate([points, points.conj(), 1j * points, 1j * points.conj()])
     angles = np.sort(np.angle(crossings))
     middle = (angles[1:] + angles[:-1]) / 2
-    column = np.minimum((np.cos(middle) + 1) / 2 * size, size - 1).astype(int)
-    row = np.minimum((np.sin(middle) + 1) / 2 * size, size - 1).astype(int) - some.start
+    column = np.searchsorted(lines[1:-1], np.cos(middle))
+    row = np.searchsorted(lines[1:-1], np.sin(middle)) - some.start
     here = (row >= 0) & (row < len(some))
     np.add.at(solid_angles, (row[here], column[here]), 2 * np.diff(angles)[here])
     # Rounding may leave less than nothing where a pixel has no part in the disc.

@@ -56,4 +56,5 @@ class MirrorBall(Layout):
     def solid_angles(self, height: int, rows: slice = ALL) -> Float[np.ndarray, "*pixels"]:
         """Return exact solid angles, see `Layout`."""
         # 1 - cos(theta) = 2 sin(theta / 2)**2 = 2 r**2
-        return disc_solid_angles(height, lambda squared: np.full_like(squared, 2.0), rows)
+        lines = np.linspace(-1, 1, height + 1)
+        return disc_solid_angles(lines, lambda squared: np.full_like(squared, 2.0), rows)

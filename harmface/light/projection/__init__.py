@@ -105,7 +105,7 @@ def project_map(
             )
         coefficients = project_latlong(radiance, max_degree, rule)
     else:
-        coefficients = project_pixels(radiance, form.name, max_degree)
+        coefficients = project_pixels(radiance, form, max_degree)
     if not np.isfinite(coefficients).all():
         raise ArgumentError("radiance must be finite, got NaN, Inf or values that overflow in sums")
     return coefficients.astype(radiance.dtype)

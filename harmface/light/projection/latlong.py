@@ -7,6 +7,7 @@ to `n - 1` where it is odd. So the one pass over the pixels is a product with 2 
 what is left, the columns, the change to harmonics, the turn of the pole to +z, is small.
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -59,20 +60,23 @@ def _row_sums(
     radiance: Float[np.ndarray, "*channels H W"], rows: Float[np.ndarray, "functions H"]
 ) -> Float[np.ndarray, "*channels functions W"]:
     """Return `rows @ radiance` in float64 by blocks of rows, whichever way memory is ordered."""
-    channels = radiance.shape[:-2]
-    height, width = radiance.shape[-2:]
-    interleaved = radiance.strides[-1] != radiance.itemsize
-    if interleaved:
-        # Channels last in memory: rows of pixels and channels, as they lie.
-        radiance = np.moveaxis(radiance, (-2, -1), (0, 1))
-        radiance = radiance.reshape(height, -1)
-    total = np.zeros((*radiance.shape[:-2], len(rows), radiance.shape[-1]))
-    for first in range(0, height, BLOCK):
-        block = slice(first, first + BLOCK)
-        total += rows[:, block] @ radiance[..., block, :]
-    if interleaved:
-        total = np.moveaxis(total.reshape(len(rows), width, *channels), (0, 1), (-2, -1))
-    return total
+    *channels, height, width = radiance.shape
+    if radiance.strides[-1] == radiance.itemsize:
+        total = np.zeros((*channels, len(rows), width))
+        for block in _blocks(height):
+            total += rows[:, block] @ radiance[..., block, :]
+        return total
+    # Channels last in memory: a row's pixels and channels are summed alike, as they lie.
+    lying = np.moveaxis(radiance, (-2, -1), (0, 1))
+    total = np.zeros((len(rows), math.prod(channels) * width))
+    for block in _blocks(height):
+        some = lying[block]
+        total += rows[:, block] @ some.reshape(len(some), -1)
+    return np.moveaxis(total.reshape(len(rows), width, *channels), (0, 1), (-2, -1))
+
+
+def _blocks(height: int) -> list[slice]:
+    return [slice(first, first + BLOCK) for first in range(0, height, BLOCK)]
 
 
 @lru_cache(maxsize=16)

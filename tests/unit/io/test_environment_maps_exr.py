@@ -69,6 +69,18 @@ def test_damaged_files_raise_file_errors_only_and_print_nothing(tmp_path, capfd)
     assert capfd.readouterr() == ("", "")
 
 
+def test_lost_pixels_are_told_in_the_words_that_the_library_prints(tmp_path):
+    path = tmp_path / "map.exr"
+    write_exr(path, IMAGE)
+    data = bytearray(path.read_bytes())
+    # The table of the one chunk's place ends where the chunk starts, with its row and its length.
+    start = next(n for n in range(8, len(data)) if int.from_bytes(data[n - 8 : n], "little") == n)
+    data[start : start + 4] = (5).to_bytes(4, "little")
+    path.write_bytes(data)
+    with pytest.raises(FileError, match="Warning"):
+        read_exr(path)
+
+
 @pytest.mark.parametrize("image", [np.full((2, 4), np.inf), np.ones((2, 4, 2)), np.ones((2, 0))])
 def test_what_is_no_picture_is_refused(unchecked, tmp_path, image):
     with pytest.raises(ArgumentError, match="image"):

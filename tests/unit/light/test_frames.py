@@ -29,8 +29,8 @@ def looks(layout, frame, *fractions):
         ("latlong", "z-up", (0.5, 1.0), (1, 0, 0)),
         ("latlong", "z-up", (0.5, 0.5), (0, 0, -1)),
         ("latlong", "z-up", (0.0, 0.5), (0, 1, 0)),
-        ("angular", "rh01", (0.5, 0.5), (0, 0, 1)),
-        ("angular", "rh01", (0.5, 0.75), (1, 0, 0)),
+        ("angular", "figure-3", (0.5, 0.5), (0, 0, 1)),
+        ("angular", "figure-3", (0.5, 0.75), (1, 0, 0)),
         # Debevec: centre -z, the right half of the disc looks to +x, the top to +y.
         ("angular", "debevec", (0.5, 0.5), (0, 0, -1)),
         ("angular", "debevec", (0.5, 0.75), (1, 0, 0)),

@@ -3,7 +3,7 @@ import pytest
 
 from harmface.errors import ArgumentError
 from harmface.light import LAYOUTS, layout_named
-from harmface.light.layouts import FACES
+from harmface.light.layouts import FACES, RH01Probe
 from harmface.light.layouts.cube import FACE_ROTATIONS
 from harmface.sphere import random_directions
 
@@ -79,6 +79,25 @@ def test_solid_angles_sum_to_the_sphere(name, height):
     assert solid_angles.shape == LAYOUTS[name].shape(height)
     assert solid_angles.min() >= 0
     assert solid_angles.sum() == pytest.approx(4 * np.pi, rel=8 * EPS)
+
+
+@pytest.mark.parametrize("height", [1, 2, 3, 40])
+def test_the_probe_of_rh01_is_the_angular_map_half_a_pixel_off(height):
+    probe, angular = RH01Probe(), LAYOUTS["angular"]
+    position = (np.arange(0.5, height), np.full(height, 0.5 * height))
+    np.testing.assert_array_equal(
+        probe.directions_at(*position, height=height),
+        angular.directions_at(*(axis - 0.5 for axis in position), height=height),
+    )
+    directions = random_directions(100, rng=1)
+    back = probe.directions_at(*probe.positions_of(directions, height), height=height)
+    np.testing.assert_allclose(back, directions, atol=16 * EPS)
+    solid_angles = probe.solid_angles(height)
+    assert solid_angles.sum() == pytest.approx(4 * np.pi, rel=8 * EPS)
+    np.testing.assert_allclose(solid_angles, solid_angles.T, atol=1e-15)
+    edges = np.array(probe.pixels_near(np.array([-1.0, height + 1]), np.zeros(2), height=height))
+    assert edges.min() >= 0
+    assert edges.max() < height
 
 
 @pytest.mark.parametrize("name", NAMES)

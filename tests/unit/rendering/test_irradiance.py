@@ -20,12 +20,13 @@ NORMALS = random_directions(60, rng=2).reshape(4, 15, 3)
 def test_maps_hold_the_irradiance_of_every_direction(layout, rng):
     coefficients = rng.standard_normal((2, 16))
     form = LAYOUTS[layout]
-    found = irradiance_map(coefficients, layout, 6)
-    assert found.shape == (2, *form.shape(6))
-    shows = form.solid_angles(6) > 0
-    expected = harmonic_irradiance(coefficients, form.directions(6)[shows])
+    found = irradiance_map(coefficients, layout, 16)
+    assert found.shape == (2, *form.shape(16))
+    shows = form.solid_angles(16) > 0
+    expected = harmonic_irradiance(coefficients, form.directions(16)[shows])
     np.testing.assert_allclose(found[..., shows], expected, atol=1e-12)
     assert (found[..., ~shows] == 0).all()
+    assert shows.all() == (layout in ("latlong", "cube"))
 
 
 def test_error_falls_with_degree_and_stays_within_the_worst_case(rng):
