@@ -89,17 +89,16 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
         ),
         shape=(rows * columns, len(mesh.vertices)),
     )
-    attributes = np.concatenate([mesh.normals, mesh.vertices, mesh.albedo], axis=1)
-    seen = interpolate @ attributes.astype(np.float64, copy=False)
+    normals = interpolate @ mesh.normals.astype(np.float64, copy=False)
     mask = samples * 2 >= n * n
-    length = np.linalg.norm(seen[:, :3], axis=-1)
+    length = np.sqrt(np.einsum("pi,pi->p", normals, normals))
     # Opposite normals in one pixel leave nothing to normalise: no surface to speak of.
     mask &= length > 1e-6 * samples
-    seen[~mask] = 0
-    divisor = np.where(mask, samples, 1)[:, None]
-    normals = seen[:, :3] / np.where(mask, length, 1)[:, None]
-    position = seen[:, 3:6] / divisor
-    albedo = np.clip(seen[:, 6:] / divisor, 0, 1)
+    normals *= np.divide(1, length, out=np.zeros_like(length), where=mask)[:, None]
+    share = np.divide(1, samples, out=np.zeros_like(length), where=mask)[:, None]
+    position = interpolate @ mesh.vertices.astype(np.float64, copy=False) * share
+    # Rounding of the weights can carry a mean past the ends of the range.
+    albedo = np.clip(interpolate @ mesh.albedo.astype(np.float64, copy=False) * share, 0, 1)
     depth = np.where(mask, camera.center[2] - position[:, 2], np.inf)
     image = (rows, columns)
     return GBuffer(
