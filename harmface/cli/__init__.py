@@ -8,7 +8,7 @@ import sys
 import typer
 
 from harmface import __version__
-from harmface.cli import basis, envmap, pca, recognition, render, reproduce, synth
+from harmface.cli import basis, envmap, evaluate, pca, recognition, render, reproduce, stereo, synth
 from harmface.errors import HarmfaceError
 
 app = typer.Typer(
@@ -26,6 +26,8 @@ app.command("render")(render.render)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
 app.command("pca")(pca.pca)
+app.command("evaluate")(evaluate.evaluate)
+app.command("stereo")(stereo.stereo)
 app.command("reproduce")(reproduce.reproduce)
 
 

@@ -1,6 +1,7 @@
 """Files: every byte from outside is checked here, every file written is whole or not there."""
 
 from harmface.io.atomic import atomic_write
+from harmface.io.captures import Capture, read_capture, read_lights, read_mask
 from harmface.io.coefficients import read_coefficients, write_coefficients
 from harmface.io.datasets import Dataset, read_dataset
 from harmface.io.environment_maps import (
@@ -8,23 +9,39 @@ from harmface.io.environment_maps import (
     read_environment_map,
     write_environment_map,
 )
+from harmface.io.folders import prepare_folder
 from harmface.io.galleries import read_gallery, write_gallery
 from harmface.io.images import read_image, write_image
 from harmface.io.meshes import read_mesh, write_ply
 from harmface.io.npz import read_npz, write_npz
+from harmface.io.photo_sets import (
+    Photograph,
+    choose_gallery,
+    find_photographs,
+    read_photographs,
+)
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 
 __all__ = [
+    "Capture",
     "Dataset",
+    "Photograph",
     "atomic_write",
+    "choose_gallery",
     "file_layout",
+    "find_photographs",
+    "prepare_folder",
+    "read_capture",
     "read_coefficients",
     "read_dataset",
     "read_environment_map",
     "read_gallery",
     "read_image",
+    "read_lights",
+    "read_mask",
     "read_mesh",
     "read_npz",
+    "read_photographs",
     "read_probe_grid",
     "write_coefficients",
     "write_environment_map",

@@ -10,8 +10,10 @@ from harmface import checks
 from harmface.conventions import luminance, max_degree_of
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
+from harmface.light import DistantLight
+from harmface.recognition.cast_shadows import shadowed_harmonic_images
 from harmface.recognition.subspace import HARMONICS_OF
-from harmface.rendering import harmonic_images
+from harmface.rendering import box_average, harmonic_images, render
 
 SUPERSAMPLING = 2
 
@@ -75,7 +77,9 @@ class Gallery:
         return self.images[:, wanted, self.mask]
 
 
-def enroll(meshes: Mapping[str, Mesh], size: int = 64, degree: int = 2) -> Gallery:
+def enroll(
+    meshes: Mapping[str, Mesh], size: int = 64, degree: int = 2, cast_shadows: bool = False
+) -> Gallery:
     """Render the harmonic images of every mesh in the common frontal frame.
 
     Parameters
@@ -86,6 +90,9 @@ def enroll(meshes: Mapping[str, Mesh], size: int = 64, degree: int = 2) -> Galle
         Rows and columns of the images.
     degree
         Highest degree of the harmonics.
+    cast_shadows
+        Whether to cast rays for the shadows of the subject on itself: slower, and nearer to
+        photographs.
 
     Raises
     ------
@@ -94,11 +101,38 @@ def enroll(meshes: Mapping[str, Mesh], size: int = 64, degree: int = 2) -> Galle
     """
     if not meshes:
         raise ArgumentError("meshes must hold at least one subject, got none")
-    images = [subject_images(mesh, size, degree) for mesh in meshes.values()]
+    images = [subject_images(mesh, size, degree, cast_shadows) for mesh in meshes.values()]
     return Gallery(tuple(meshes), np.stack(images))
 
 
-def subject_images(mesh: Mesh, size: int, degree: int) -> Float[np.ndarray, "K H W"]:
+def subject_images(
+    mesh: Mesh, size: int, degree: int, cast_shadows: bool = False
+) -> Float[np.ndarray, "K H W"]:
     """Return the harmonic images of one subject in the common frontal frame, in float32."""
+    if cast_shadows:
+        # Rays must start on the surface, not at the mean of a pixel's samples, which lies in it.
+        view = gbuffer(mesh, frame_orthographic(mesh, size * SUPERSAMPLING))
+        fine = shadowed_harmonic_images(view, mesh, degree)
+        return box_average(fine, SUPERSAMPLING).astype(np.float32)
     view = gbuffer(mesh, frame_orthographic(mesh, size), SUPERSAMPLING)
     return harmonic_images(view.normals, luminance(view.albedo), degree).astype(np.float32)
+
+
+def subject_photographs(mesh: Mesh, light: DistantLight, size: int) -> Float[np.ndarray, "F H W"]:
+    """Return photographs of one subject in the common frontal frame, with cast shadows.
+
+    Rendered by the oracle and not by harmonics: what `fit` of a classifier takes in place of
+    photographs, for instance under `nine_points`.
+
+    Parameters
+    ----------
+    mesh
+        The subject.
+    light
+        One photograph for each of its leading axis.
+    size
+        Rows and columns.
+    """
+    view = gbuffer(mesh, frame_orthographic(mesh, size * SUPERSAMPLING))
+    images = render(view, light, caster=mesh)
+    return box_average(images, SUPERSAMPLING).astype(np.float32)

@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.recognition.probes import checked_probes
 
 HARMONICS_OF = {"3d": slice(1, 4), "4d": slice(0, 4), "9d": slice(0, 9)}
 """Flat indices of the harmonic images that span each subspace: scaled normals without and with
@@ -77,20 +78,9 @@ def subspace_distances(
     ArgumentError
         On NaN, an all-black probe, or probes of another size than the bases.
     """
-    probes = checks.finite("probes", probes)
     subjects, dimension, pixels = bases.shape
-    if probes.shape[1] != pixels:
-        raise ArgumentError(
-            f"probes must have {pixels} pixels as the subspaces have, got {probes.shape[1]}; "
-            "resize them"
-        )
+    probes = checked_probes(probes, pixels)
     squared = np.einsum("np,np->n", probes, probes)
-    if not squared.all():
-        black = np.flatnonzero(squared == 0)
-        raise ArgumentError(
-            f"probes must not be all black, but {black.size} of {len(probes)} are "
-            f"(first: number {black[0]})"
-        )
     bases = bases.astype(probes.dtype, copy=False)
     inside = (probes @ bases.reshape(-1, pixels).T).reshape(-1, subjects, dimension)
     captured = np.einsum("nsd,nsd->ns", inside, inside) / squared[:, None]

@@ -1,0 +1,147 @@
+"""What a distance means: how sure a name is, whether anybody is known at all, and why.
+
+References
+----------
+.. [BJ03] Basri and Jacobs, Lambertian Reflectance and Linear Subspaces, PAMI 2003.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Integer
+
+from harmface import checks
+from harmface.errors import ArgumentError
+from harmface.recognition.probes import checked_probes
+
+
+@dataclass(frozen=True)
+class Rejection:
+    """Where to stop believing that a probe is of an enrolled subject.
+
+    Parameters
+    ----------
+    threshold
+        Distance above which a probe is taken for a stranger's.
+    false_accept_rate
+        Fraction of strangers that are nearer than that to somebody, as estimated.
+    strangers
+        Number of images that the estimate rests on.
+    """
+
+    threshold: float
+    false_accept_rate: float
+    strangers: int
+
+
+def margins(distances: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n"]:
+    """Return how much farther the second subject is than the first, relative to the second.
+
+    0 is a tie, 1 certainty.
+
+    Raises
+    ------
+    ArgumentError
+        If there are fewer than two subjects to tell apart.
+    """
+    distances = _of_subjects(distances)
+    first, second = np.partition(distances, 1, axis=1)[:, :2].T
+    return np.divide(second - first, second, out=np.zeros_like(first), where=second > 0)
+
+
+def posteriors(distances: Float[np.ndarray, "n N"], independent: float) -> Float[np.ndarray, "n N"]:
+    """Return the probability of every subject, given that the probe shows one of them.
+
+    Pixels err by independent Gaussian noise of unknown strength, so the likelihood of a subject
+    at distance `d` is proportional to `d**-independent`; all are as probable beforehand.
+
+    Parameters
+    ----------
+    distances
+        Distances relative to the probe's norm.
+    independent
+        How many pixels err independently: their number less the dimension of the subspace for
+        the camera's noise, far fewer for errors that neighbours share.
+    """
+    distances = _of_subjects(distances)
+    if not (np.isfinite(independent) and independent > 0):
+        raise ArgumentError(f"independent must be above 0, got {independent}")
+    smallest = np.finfo(distances.dtype).tiny
+    exponents = -independent * np.log(np.maximum(distances, smallest))
+    weights = np.exp(exponents - exponents.max(axis=1, keepdims=True))
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def rejection(
+    distances: Float[np.ndarray, "n N"], truth: Integer[np.ndarray, "n"], rate: float = 0.01
+) -> Rejection:
+    """Return the threshold at which a fraction of strangers is taken for somebody enrolled.
+
+    Every image plays a stranger to all subjects but its own: what counts is its distance to the
+    nearest of the others.
+
+    Parameters
+    ----------
+    distances
+        Distances of images of enrolled subjects, such as the gallery's, to all subjects.
+    truth
+        Column of each image's own subject.
+    rate
+        Wanted false-accept rate, in (0, 1).
+
+    Raises
+    ------
+    ArgumentError
+        If there are fewer images than the rate can be told with, fewer than two subjects, or an
+        index of no subject.
+    """
+    distances = _of_subjects(distances)
+    if not 0 < rate < 1:
+        raise ArgumentError(f"rate must lie between 0 and 1, got {rate}")
+    if truth.shape != distances.shape[:1] or not np.isin(truth, range(distances.shape[1])).all():
+        raise ArgumentError(f"truth must give a column of distances {distances.shape} for each row")
+    if rate * len(distances) < 1:
+        raise ArgumentError(
+            f"distances must be of at least {int(np.ceil(1 / rate))} images for a rate of {rate}, "
+            f"got {len(distances)}; give more images or a higher rate"
+        )
+    others = distances.copy()
+    others[np.arange(len(others)), truth] = np.inf
+    nearest = np.sort(others.min(axis=1))
+    # As many strangers lie strictly below the threshold as the rate allows.
+    threshold = float(nearest[int(rate * len(nearest))])
+    return Rejection(threshold, float((nearest < threshold).mean()), len(nearest))
+
+
+def estimated_light(
+    probes: Float[np.ndarray, "n p"], images: Float[np.ndarray, "n K p"]
+) -> Float[np.ndarray, "n K"]:
+    """Return the light under which a subject looks most like a probe, free to be negative.
+
+    `L = argmin |L S - x|`, the shortest if there are several; `rendering.relight` of it is the
+    reconstruction to show beside the probe, and `non_negative_light` the light that is nowhere
+    negative.
+
+    Parameters
+    ----------
+    probes
+        Images as rows of pixels.
+    images
+        Harmonic images of the subject that each probe is compared with.
+    """
+    images = checks.finite("images", images)
+    probes = checked_probes(probes, images.shape[-1])
+    if len(images) != len(probes):
+        raise ArgumentError(
+            f"images must hold a subject for each of {len(probes)} probes, got {len(images)}"
+        )
+    return (probes[:, None] @ np.linalg.pinv(images))[:, 0]
+
+
+def _of_subjects(distances: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n N"]:
+    distances = checks.non_negative("distances", distances)
+    if distances.shape[1] < 2:
+        raise ArgumentError(
+            f"distances must be to at least two subjects, got {distances.shape[1]}; enroll more"
+        )
+    return distances

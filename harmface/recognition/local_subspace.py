@@ -1,0 +1,210 @@
+"""A robust distance: a subspace, and a light, for every window of the face.
+
+Cast shadows, highlights and everything else that the images of a gallery do not span ruin a fit
+of the whole image, but each of them ruins only some windows of it. So each window is fitted on
+its own, and all windows vote alike:
+
+* In the logarithm of `intensity + floor` light multiplies the albedo as a sum, and noise counts
+  for little where the photograph is dark: the floor is three deviations of the camera's noise.
+* A window's mean is taken off, and with it the light that falls on the window as a whole.
+* What remains is fitted by a subject's images of that window. Where the framing is not exact
+  they come with copies moved by a pixel in each direction, so the fit absorbs misalignment and
+  expression by itself. It is a ridge regression: directions that the images hardly have cost
+  what they are worth.
+* The vote is the square root of the share of energy left over: a window spoilt by a shadow's edge
+  or a highlight weighs little more than one that fits ill, and a window without contrast beyond
+  the noise says nothing.
+
+The constants are one setting for all galleries; lengths are fractions of the image's height.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface import checks
+from harmface.errors import ArgumentError
+
+FLOOR_PER_NOISE = 3
+"""Deviations of the camera's noise that are added to the intensity."""
+
+CONTRAST_NOISE = 0.03
+"""Standard deviation of the logarithm that a window must exceed to say anything."""
+
+RIDGE = 0.001
+"""Ridge as a fraction of a window's largest eigenvalue."""
+
+DIMENSION = 9
+"""Dimension of a window's subspace."""
+
+WINDOWS_PER_HEIGHT = 4
+"""Heights of a window in the image; neighbours overlap by half."""
+
+SHIFTS_PER_HEIGHT = 48
+"""Steps of the moved copies in the image's height."""
+
+CHUNK = 2**25
+"""Projections held at a time: 128 MB in single precision."""
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Square windows that cover an image, neighbours overlapping by half.
+
+    Parameters
+    ----------
+    mask
+        Pixels that take part; windows with less than half of theirs are left out.
+
+    Raises
+    ------
+    ArgumentError
+        If no window remains.
+    """
+
+    mask: Bool[np.ndarray, "H W"]
+
+    def __post_init__(self) -> None:
+        if not self.corners:
+            raise ArgumentError("mask must fill half of some window, but leaves none; widen it")
+
+    @property
+    def side(self) -> tuple[int, int]:
+        """Rows and columns of a window."""
+        rows, columns = self.mask.shape
+        side = max(2, round(rows / WINDOWS_PER_HEIGHT))
+        return min(side, rows), min(max(side, 2), columns)
+
+    @property
+    def shift(self) -> int:
+        """Pixels by which copies are moved."""
+        return max(1, round(self.mask.shape[0] / SHIFTS_PER_HEIGHT))
+
+    @property
+    def corners(self) -> list[tuple[int, int]]:
+        """Top left pixel of every window."""
+        (high, wide), (rows, columns) = self.side, self.mask.shape
+        return [
+            (top, left)
+            for top in _starts(rows, high)
+            for left in _starts(columns, wide)
+            if self.mask[top : top + high, left : left + wide].mean() >= 0.5
+        ]
+
+    def cut(
+        self, images: Float[np.ndarray, "n H W"], offset: tuple[int, int] = (0, 0)
+    ) -> Float[np.ndarray, "J n m"]:
+        """Return every window of the images less its mean; pixels outside the mask are zero.
+
+        Parameters
+        ----------
+        images
+            Of the mask's size.
+        offset
+            Rows and columns by which the images are moved first, their edges repeated.
+        """
+        high, wide = self.side
+        by = max(abs(value) for value in offset)
+        padded = np.pad(images, ((0, 0), (by, by), (by, by)), mode="edge") if by else images
+        down, right = by - offset[0], by - offset[1]
+        cut = np.stack(
+            [
+                padded[:, top + down : top + down + high, left + right : left + right + wide]
+                for top, left in self.corners
+            ]
+        ).reshape(len(self.corners), len(images), -1)
+        inside = np.stack(
+            [self.mask[top : top + high, left : left + wide].ravel() for top, left in self.corners]
+        )[:, None].astype(images.dtype)
+        mean = (cut * inside).sum(axis=-1, keepdims=True) / inside.sum(axis=-1, keepdims=True)
+        return (cut - mean) * inside
+
+
+def log_intensity(images: Float[np.ndarray, "*n H W"], noise: float) -> Float[np.ndarray, "*n H W"]:
+    """Return `log(I + 3 noise)` in single precision.
+
+    Parameters
+    ----------
+    images
+        Linear photographs, nowhere negative.
+    noise
+        Standard deviation of the camera's noise in the dark, in the images' unit.
+    """
+    images = checks.non_negative("images", images)
+    if not (np.isfinite(noise) and noise > 0):
+        raise ArgumentError(f"noise must be above 0, got {noise}: 0.005 of full scale is usual")
+    return np.log(images.astype(np.float32) + np.float32(FLOOR_PER_NOISE * noise))
+
+
+def local_basis(
+    logarithms: Float[np.ndarray, "g H W"], windows: Windows, aligned: bool = False
+) -> Float[np.ndarray, "J d m"]:
+    """Return a subject's subspace of every window, its rows scaled for ridge regression.
+
+    With the window's images `A`, of singular values `s_i` and right singular vectors `v_i`, the
+    least `|x - A^T c|^2 + lambda |c|^2` over `c` is `|x|^2 - sum_i (b_i . x)^2` with rows
+    `b_i = v_i s_i / sqrt(s_i^2 + lambda)`. They are the rows returned, the strongest first.
+
+    Parameters
+    ----------
+    logarithms
+        The subject's photographs, see `log_intensity`; one is enough.
+    windows
+        Where the windows are.
+    aligned
+        Whether probes are framed exactly as these images: then no moved copies join in.
+    """
+    step = windows.shift
+    moves = [(0, 0)] if aligned else [(0, 0), (step, 0), (-step, 0), (0, step), (0, -step)]
+    cut = np.concatenate([windows.cut(logarithms, move) for move in moves], axis=1)
+    cut = cut.astype(np.float64)
+    # The eigenvectors of the small matrix of inner products give the singular vectors.
+    energy, mixing = np.linalg.eigh(cut @ cut.swapaxes(1, 2))
+    energy, mixing = energy[:, ::-1][:, :DIMENSION], mixing[:, :, ::-1][:, :, :DIMENSION]
+    noise = cut.shape[-1] * CONTRAST_NOISE**2
+    ridge = RIDGE * np.maximum(energy[:, :1], noise)
+    scale = 1 / np.sqrt(np.maximum(energy, 0) + ridge)
+    rows = (mixing * scale[:, None]).swapaxes(1, 2) @ cut
+    missing = DIMENSION - rows.shape[1]
+    return np.pad(rows, ((0, 0), (0, max(missing, 0)), (0, 0))).astype(np.float32)
+
+
+def local_distances(
+    logarithms: Float[np.ndarray, "n H W"],
+    bases: Float[np.ndarray, "N J d m"],
+    windows: Windows,
+) -> Float[np.ndarray, "n N"]:
+    """Return the mean over the windows of the share of contrast that a subject does not explain.
+
+    The share is `sqrt((residual + noise) / (energy + noise))`, in [0, 1], with the residual of
+    `local_basis` and the energy of the window itself.
+
+    Parameters
+    ----------
+    logarithms
+        Probes, see `log_intensity`.
+    bases
+        Each subject's `local_basis`.
+    windows
+        Where the windows are.
+    """
+    cut = windows.cut(logarithms)
+    total = np.zeros((len(logarithms), len(bases)), np.float32)
+    noise = np.float32(cut.shape[-1] * CONTRAST_NOISE**2)
+    step = max(1, CHUNK // max(1, len(bases) * DIMENSION))
+    for index, window in enumerate(cut):
+        rows = np.ascontiguousarray(bases[:, index]).reshape(-1, cut.shape[-1])
+        energy = np.einsum("nm,nm->n", window, window)[:, None]
+        for first in range(0, len(window), step):
+            some = slice(first, first + step)
+            fits = (window[some] @ rows.T).reshape(-1, len(bases), DIMENSION)
+            residual = np.maximum(energy[some] - np.einsum("nsd,nsd->ns", fits, fits), 0)
+            total[some] += np.sqrt((residual + noise) / (energy[some] + noise))
+    return total / np.float32(len(cut))
+
+
+def _starts(length: int, side: int) -> list[int]:
+    """Return where windows start along an axis: every half side, the last at the far end."""
+    step = max(1, side // 2)
+    return sorted({*range(0, length - side + 1, step), length - side})

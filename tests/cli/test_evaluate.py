@@ -1,0 +1,119 @@
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from data_synth.faces import head
+from data_synth.lightings import yale64
+from harmface.geometry import frame_orthographic, gbuffer
+from harmface.io import find_photographs, read_photographs
+from harmface.rendering import render
+from harmface.reproduce.synthetic import light_of, mesh_of
+
+PEOPLE = 4
+
+
+@pytest.fixture(scope="module")
+def photographs():
+    """The middle of each head under the 64 lights, 8 bits, as (people, 64, rows, columns)."""
+    stacks = []
+    for seed in range(PEOPLE):
+        mesh = mesh_of(head(seed, n_vertices=5000))
+        view = gbuffer(mesh, frame_orthographic(mesh, 64))
+        images = render(view, light_of(yale64()), caster=mesh)[:, 12:60, 12:54]
+        codes = 2 + 250 * images / images.max(axis=(1, 2), keepdims=True)
+        codes += np.random.default_rng(seed).normal(0, 1, codes.shape)
+        stacks.append(np.clip(codes, 0, 255).astype(np.uint8))
+    return np.stack(stacks)
+
+
+@pytest.fixture
+def yale(photographs, tmp_path):
+    for person, stack in enumerate(photographs, 1):
+        folder = tmp_path / "yale" / f"yaleB{person:02d}"
+        folder.mkdir(parents=True)
+        for label, image in zip(yale64().labels, stack, strict=True):
+            Image.fromarray(image).save(folder / f"yaleB{person:02d}_P00{label}.pgm")
+        (folder / f"yaleB{person:02d}_P00_Ambient.pgm").write_bytes(b"not read")
+        (folder / f"yaleB{person:02d}_P00A+000E+00.pgm.bad").write_bytes(b"spoilt")
+        (folder / "yaleB.info").write_text("a list")
+    return "yale"
+
+
+def test_names_tell_subject_light_and_subset(yale, tmp_path):
+    found = find_photographs(tmp_path / yale)
+    assert len(found) == PEOPLE * 64
+    subsets = np.bincount([photograph.subset for photograph in found])[1:]
+    assert np.array_equal(subsets, PEOPLE * np.array([7, 12, 12, 14, 19]))
+    kept, images = read_photographs(found)
+    lights = np.array([photograph.light for photograph in kept])
+    halves = images.mean(axis=1).reshape(len(images), 2, -1).mean(axis=2)
+    aside = np.abs(lights[:, 0]) > 0.5
+    assert aside.sum() > 50
+    # Whatever the sign of the name's azimuth, light from +x brightens the right half.
+    assert np.array_equal(halves[aside, 1] > halves[aside, 0], lights[aside, 0] > 0)
+
+
+@pytest.mark.parametrize("gallery", ["ninepoints", "subset1"])
+def test_people_are_recognised_under_the_grid(run, yale, gallery):
+    outcome = run(
+        *("evaluate", yale, "--gallery", gallery, "--json"),
+        *("--methods", "best,subspace,tan-triggs+nearest"),
+    )
+    assert outcome.code == 0
+    methods = json.loads(outcome.out)["methods"]
+    assert set(methods) == {"best", "subspace", "tan-triggs+nearest"}
+    best = methods["best"]
+    enrolled = 9 if gallery == "ninepoints" else 7
+    assert best["probes"] == PEOPLE * (64 - enrolled)
+    assert sum(each["probes"] for each in best["subsets"].values()) == best["probes"]
+    assert sum(best["subsets"][str(n)]["errors"] for n in (2, 3)) == 0
+    assert best["errors"] <= methods["subspace"]["errors"]
+    assert best["seconds_per_probe"] > 0
+
+
+def test_a_folder_for_each_subject(run, photographs, tmp_path):
+    frontal = np.flatnonzero(yale64().subset <= 2)
+    for name, stack in zip("abc", photographs, strict=False):
+        (tmp_path / "people" / name).mkdir(parents=True)
+        for number, k in enumerate(frontal):
+            Image.fromarray(stack[k]).save(tmp_path / "people" / name / f"{number:02d}.png")
+    common = ("evaluate", "people", "--methods", "subspace")
+    found = run(*common, "--gallery", "first:9", "--json", "--size", "24x21")
+    assert json.loads(found.out)["methods"]["subspace"]["errors"] == 0
+    names = [path.name for path in sorted((tmp_path / "people" / "a").iterdir())[:5]]
+    (tmp_path / "list.txt").write_text("\n".join(names))
+    assert "errors" in run(*common, "--gallery", "list.txt").out
+
+
+def test_bad_input_is_refused(run, yale, refuses, tmp_path):
+    evaluate = ("evaluate", yale)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "wrong.txt").write_text("nobody.png")
+    refuses("is not a folder", "evaluate", "nowhere")
+    refuses("fewer than two subjects", "evaluate", "empty")
+    refuses("method must be one of", *evaluate, "--methods", "magic")
+    refuses("HxW", *evaluate, "--size", "48")
+    refuses("whole number", *evaluate, "--gallery", "first:x")
+    refuses("leaves no probe", *evaluate, "--gallery", "first:64")
+    refuses("names nobody.png", *evaluate, "--gallery", "wrong.txt")
+    refuses("missing.txt: does not exist", *evaluate, "--gallery", "missing.txt")
+    spoilt = tmp_path / "yale" / "yaleB01" / "yaleB01_P00A+010E-20.pgm"
+    spoilt.write_bytes(b"P5 nonsense")
+    refuses("yaleB01_P00A.010E-20.pgm: cannot be read", *evaluate)
+    outcome = run(*evaluate, "--skip-bad", "--methods", "correlation", "--json")
+    assert outcome.code == 0
+    assert json.loads(outcome.out)["skipped"] == 1
+    assert "skipped" in outcome.err
+    Image.fromarray(np.zeros((48, 42), np.uint8)).save(spoilt)
+    refuses("shows nothing", *evaluate)
+    Image.fromarray(np.arange(100, dtype=np.uint8).reshape(10, 10)).save(spoilt)
+    refuses("has 10 x 10 pixels", *evaluate)
+
+
+def test_lights_are_needed_for_galleries_by_light(photographs, refuses, tmp_path):
+    for name, stack in zip("ab", photographs, strict=False):
+        (tmp_path / "people" / name).mkdir(parents=True)
+        Image.fromarray(stack[0]).save(tmp_path / "people" / name / "1.png")
+    refuses("names that tell the light", "evaluate", "people", "--gallery", "ninepoints")

@@ -1,0 +1,163 @@
+import numpy as np
+import pytest
+from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import FunctionTransformer
+
+from data_synth.camera_noise import photograph
+from data_synth.faces import head
+from data_synth.lightings import nine_points, yale64
+from harmface.errors import ArgumentError
+from harmface.geometry import OrthographicCamera, gbuffer
+from harmface.recognition import (
+    HarmonicSubspaceClassifier,
+    LocalSubspaceClassifier,
+    Windows,
+    local_distances,
+    log_intensity,
+    orthonormal_basis,
+    subspace_distances,
+)
+from harmface.rendering import Phong, box_average, render
+from harmface.reproduce.synthetic import light_of, mesh_of
+
+SHAPE = (48, 42)
+SUBJECTS = 6
+GRID = yale64()
+GALLERY = (GRID.directions @ nine_points().directions.T).argmax(axis=0)
+EXTREME = np.setdiff1d(np.flatnonzero(GRID.subset == 5), GALLERY)
+
+
+@pytest.fixture(scope="module")
+def faces():
+    """People alike in face, cropped, shiny, photographed in 8 bits half a pixel off the mark."""
+    rng = np.random.default_rng(5)
+    used = np.concatenate([GALLERY, EXTREME])
+    lights = light_of(GRID)
+    stacks = []
+    for seed in range(SUBJECTS):
+        mesh = mesh_of(head(seed, n_vertices=5000))
+        front = float(mesh.bounds[1, 2] + 50)
+        images = []
+        for light in used:
+            x, y = rng.normal(0, 1.5, 2)
+            view = gbuffer(mesh, OrthographicCamera((x, y - 26, front), 148.0, (96, 84)))
+            lamp = type(lights)(lights.directions[[light]], np.ones((1, 1)))
+            seen = render(view, lamp, caster=mesh, phong=Phong(0.04, 10))[0]
+            images.append(box_average(seen, 2) + 0.005 * view.mask.any())
+        stack = np.stack(images)
+        full = np.percentile(stack[0], 95)
+        stacks.append(photograph(stack / full, rng=rng, exposure=0.9, bits=8))
+    return np.stack(stacks).reshape(SUBJECTS, len(used), -1)
+
+
+def enrolled(classifier, faces):
+    count = len(GALLERY)
+    gallery = faces[:, :count].reshape(-1, faces.shape[-1])
+    return classifier.fit(gallery, np.repeat(np.arange(SUBJECTS), count))
+
+
+def errors(classifier, faces):
+    probes = faces[:, len(GALLERY) :].reshape(-1, faces.shape[-1])
+    return (
+        enrolled(classifier, faces).predict(probes) != np.repeat(np.arange(SUBJECTS), len(EXTREME))
+    ).sum()
+
+
+def test_works_in_a_pipeline_and_as_a_clone(faces):
+    local = LocalSubspaceClassifier(image_shape=SHAPE)
+    scaled = make_pipeline(FunctionTransformer(np.sqrt), clone(local))
+    assert enrolled(scaled, faces).predict(faces[:, 0]).tolist() == list(range(SUBJECTS))
+
+
+def test_an_unfitted_classifier_says_so():
+    with pytest.raises(NotFittedError):
+        LocalSubspaceClassifier(image_shape=SHAPE).predict(np.ones((1, 2016)))
+
+
+def test_halves_the_errors_of_the_plain_distance_in_extreme_light(faces):
+    plain = errors(HarmonicSubspaceClassifier(), faces)
+    assert plain >= 20
+    assert errors(LocalSubspaceClassifier(image_shape=SHAPE), faces) <= plain / 2
+
+
+def test_exact_framing_tells_apart_what_movement_would_explain(faces):
+    exact = enrolled(LocalSubspaceClassifier(image_shape=SHAPE, aligned=True), faces)
+    loose = enrolled(LocalSubspaceClassifier(image_shape=SHAPE), faces)
+    probe = faces[:1, 0]
+    assert (exact.distances(probe) > loose.distances(probe))[0, 1:].all()
+
+
+def test_distance_is_that_of_the_windows_and_a_little_of_the_whole(faces):
+    classifier = enrolled(LocalSubspaceClassifier(image_shape=SHAPE), faces)
+    probes, gallery = faces[0, -3:], faces[:, : len(GALLERY)]
+    logs = log_intensity(probes.reshape(-1, *SHAPE) / gallery.max(), 0.005)
+    windows = local_distances(logs, classifier.bases_, Windows(np.ones(SHAPE, bool)))
+    whole = subspace_distances(probes, orthonormal_basis(gallery, 9))
+    # Single precision, through a logarithm of values down to 0.015.
+    assert np.allclose(classifier.distances(probes), windows * whole**0.06, atol=1e-4)
+
+
+def test_one_photograph_of_a_subject_is_enough(faces):
+    frontal = LocalSubspaceClassifier(image_shape=SHAPE).fit(faces[:, 0], range(SUBJECTS))
+    assert frontal.predict(faces[:, 0]).tolist() == list(range(SUBJECTS))
+
+
+def test_the_unit_of_the_images_plays_no_part(faces):
+    probes = faces[0, -3:]
+    one = enrolled(LocalSubspaceClassifier(image_shape=SHAPE), faces).distances(probes)
+    codes = enrolled(LocalSubspaceClassifier(image_shape=SHAPE), 255 * faces).distances(
+        255 * probes
+    )
+    # Single precision, through a logarithm of values down to 0.016.
+    assert np.allclose(one, codes, atol=1e-4)
+
+
+def test_decision_scores_rank_as_distances_do(faces):
+    classifier = enrolled(LocalSubspaceClassifier(image_shape=SHAPE), faces)
+    probes = faces[0, -3:]
+    assert np.array_equal(classifier.decision_function(probes), -classifier.distances(probes))
+
+
+def test_pixels_outside_the_mask_play_no_part(faces, rng):
+    mask = np.zeros(SHAPE, bool)
+    mask[8:, 6:36] = True
+    classifier = enrolled(LocalSubspaceClassifier(image_shape=SHAPE, mask=mask), faces)
+    probes = faces[0, -3:]
+    other = np.where(mask.ravel(), probes, rng.random(probes.shape))
+    assert np.allclose(classifier.distances(probes), classifier.distances(other), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: LocalSubspaceClassifier((3, 3)).fit(np.ones((4, 8)), [0, 0, 1, 1]), "8 pixels"),
+        (
+            lambda: LocalSubspaceClassifier((2, 4), np.ones((2, 2), bool)).fit(
+                np.ones((4, 8)), [0, 0, 1, 1]
+            ),
+            "mask must be of shape",
+        ),
+        (
+            lambda: LocalSubspaceClassifier((2, 4)).fit(np.zeros((4, 8)), [0, 0, 1, 1]),
+            "all be black",
+        ),
+        (
+            lambda: LocalSubspaceClassifier((2, 4)).fit(-np.ones((4, 8)), [0, 0, 1, 1]),
+            "X must not be negative",
+        ),
+        (
+            lambda: (
+                LocalSubspaceClassifier((2, 4))
+                .fit(np.arange(32.0).reshape(4, 8), [0, 0, 1, 1])
+                .distances(np.zeros((1, 8)))
+            ),
+            "same value",
+        ),
+    ],
+)
+@pytest.mark.usefixtures("unchecked")
+def test_nonsense_is_refused(call, message):
+    with pytest.raises(ArgumentError, match=message):
+        call()
