@@ -7,8 +7,11 @@ from harmface.geometry.camera import (
     frame_orthographic,
     frame_perspective,
 )
+from harmface.geometry.depth_frankot_chellappa import depth_frankot_chellappa
+from harmface.geometry.depth_least_squares import depth_least_squares
 from harmface.geometry.gbuffer import GBuffer, gbuffer
 from harmface.geometry.mesh import Mesh, vertex_normals
+from harmface.geometry.surface_mesh import depth_to_mesh
 from harmface.geometry.visibility import visible
 
 __all__ = [
@@ -17,6 +20,9 @@ __all__ = [
     "Mesh",
     "OrthographicCamera",
     "PerspectiveCamera",
+    "depth_frankot_chellappa",
+    "depth_least_squares",
+    "depth_to_mesh",
     "frame_orthographic",
     "frame_perspective",
     "gbuffer",

@@ -1,6 +1,6 @@
 """Which experiment measures which claim."""
 
-from harmface.reproduce import irradiance, lambert, pca, recognition, subspaces
+from harmface.reproduce import irradiance, lambert, pca, recognition, stereo, subspaces
 from harmface.reproduce.experiment import Experiment
 
 EXPERIMENTS: dict[str, Experiment] = {
@@ -21,4 +21,8 @@ EXPERIMENTS: dict[str, Experiment] = {
     "pca-face-empirical": pca.face_empirical,
     "pca-modes-agree": pca.modes_agree,
     "recognition-small-set": recognition.small_set,
+    "recognition-light-grid": recognition.light_grid,
+    "stereo-rank": stereo.rank,
+    "stereo-lorentz": stereo.lorentz,
+    "stereo-normals": stereo.normals,
 }

@@ -13,9 +13,9 @@ from data_synth.faces import Head, head
 from data_synth.lightings import Lights
 from data_synth.shapes import SHAPES, Shape
 from harmface.checks import integer, positive_integer
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
-from harmface.io import atomic_write, write_environment_map, write_ply
+from harmface.io import atomic_write, prepare_folder, write_environment_map, write_ply
 from harmface.light import DistantLight
 from harmface.rendering import box_average, render
 from harmface.sphere import real_harmonics
@@ -140,25 +140,6 @@ def synthesize_environments(
         entries.append({"file": name, "coefficients": coefficients.tolist()})
         progress((number + 1) / len(names))
     write_manifest(folder, {"kind": "environments", "environments": entries})
-
-
-def prepare_folder(folder: Path, names: list[str]) -> None:
-    """Make a folder, or accept one that holds nothing but files of these names.
-
-    Raises
-    ------
-    FileError
-        If the folder holds anything else, is a file, or cannot be made.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        foreign = sorted({entry.name for entry in folder.iterdir()} - set(names))
-    except OSError as error:
-        raise FileError(f"{folder}: cannot be used as a folder: {error.strerror}") from None
-    if foreign:
-        raise FileError(
-            f"{folder}: holds other files ({foreign[0]}); give an empty or a new folder"
-        )
 
 
 def write_manifest(folder: Path, content: Mapping[str, Any]) -> None:

@@ -5,7 +5,10 @@ import pytest
 from harmface.reproduce.claims import load_claims
 from harmface.reproduce.registry import EXPERIMENTS
 
-BINDING = [claim for claim in load_claims().values() if claim.binding]
+TIMED = {"prefilter-speed"}
+"""Claims on speed: a busy machine must not fail a test; `harmface reproduce` judges them."""
+
+BINDING = [c for c in load_claims().values() if c.binding and c.id not in TIMED]
 
 
 @pytest.mark.parametrize("claim", BINDING, ids=lambda claim: claim.id)

@@ -1,0 +1,63 @@
+"""Normals of a surface to be integrated, checked at the door."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface import checks
+from harmface.errors import ArgumentError
+
+STEEPEST = 20.0
+"""Largest slope believed, 87 degrees: a pixel on an outline would outweigh all others."""
+
+
+def checked_normals(
+    normals: Float[np.ndarray, "H W 3"], mask: Bool[np.ndarray, "H W"] | None
+) -> tuple[Float[np.ndarray, "p 3"], Bool[np.ndarray, "H W"]]:
+    """Return the unit normals over a mask in float64, and the mask.
+
+    Parameters
+    ----------
+    normals
+        Unit normals over the mask; what lies outside is ignored.
+    mask
+        The surface; everything if not given.
+
+    Raises
+    ------
+    ArgumentError
+        If the mask is empty or of another size, or a normal is not of unit length.
+    """
+    normals = checks.vectors("normals", normals)
+    if mask is None:
+        mask = np.ones(normals.shape[:2], dtype=bool)
+    if mask.shape != normals.shape[:2]:
+        raise ArgumentError(f"mask must have the size {normals.shape[:2]}, got {mask.shape}")
+    if not mask.any():
+        raise ArgumentError("mask must cover at least one pixel, got an empty one")
+    return checks.unit_vectors("normals", normals[mask]).astype(np.float64), mask
+
+
+def slopes_along_rays(
+    n: Float[np.ndarray, "p 3"], towards: Float[np.ndarray, "p"]
+) -> Float[np.ndarray, "2 p"]:
+    """Return `(n_x, n_y) / towards`, steep ones shortened without turning them.
+
+    Parameters
+    ----------
+    n
+        Unit normals.
+    towards
+        Part of each normal along its ray, back to the camera: n_z in an orthographic view.
+
+    Raises
+    ------
+    ArgumentError
+        If a normal looks away from the camera.
+    """
+    away = int((towards < 0).sum())
+    if away:
+        raise ArgumentError(
+            f"normals must face the camera, but {away} of {len(n)} look away; "
+            "leave those pixels out of the mask"
+        )
+    return np.asarray(n[:, :2].T / np.maximum(towards, np.hypot(n[:, 0], n[:, 1]) / STEEPEST))

@@ -1,0 +1,53 @@
+"""A mesh from a map of heights."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface import checks
+from harmface.errors import ArgumentError
+from harmface.geometry.mesh import Mesh, vertex_normals
+
+
+def depth_to_mesh(
+    depth: Float[np.ndarray, "H W"],
+    mask: Bool[np.ndarray, "H W"],
+    albedo: Float[np.ndarray, "H W"] | Float[np.ndarray, "H W 3"] | None = None,
+) -> Mesh:
+    """Return the surface over a mask, two triangles to each 2 x 2 block of its pixels.
+
+    Parameters
+    ----------
+    depth
+        Height towards the viewer in pixels.
+    mask
+        The surface.
+    albedo
+        Grey or linear RGB, scaled so that its largest value is at most 1; white if not given.
+
+    Raises
+    ------
+    ArgumentError
+        If the sizes differ or no 2 x 2 block lies in the mask.
+    """
+    depth = checks.finite("depth", depth).astype(np.float64)
+    if mask.shape != depth.shape:
+        raise ArgumentError(f"mask must have the size {depth.shape}, got {mask.shape}")
+    if albedo is None:
+        albedo = np.ones(mask.shape)
+    albedo = checks.non_negative("albedo", albedo).astype(np.float64)
+    if albedo.shape[:2] != mask.shape:
+        raise ArgumentError(f"albedo must have the size {mask.shape}, got {albedo.shape[:2]}")
+    colour = albedo if albedo.ndim == 3 else np.repeat(albedo[..., None], 3, axis=2)
+    rows, columns = mask.shape
+    index = np.full(mask.shape, -1)
+    index[mask] = np.arange(mask.sum())
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]
+    whole = (a >= 0) & (b >= 0) & (c >= 0) & (d >= 0)
+    if not whole.any():
+        raise ArgumentError("mask must hold at least one block of 2 x 2 pixels, got none")
+    a, b, c, d = (corner[whole] for corner in (a, b, c, d))
+    faces = np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
+    y, x = np.nonzero(mask)
+    vertices = np.stack([x + 0.5 - columns / 2, rows / 2 - y - 0.5, depth[mask]], axis=1)
+    painted = colour[mask]
+    return Mesh(vertices, faces, vertex_normals(vertices, faces), painted / max(painted.max(), 1.0))

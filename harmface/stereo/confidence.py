@@ -1,0 +1,79 @@
+"""How far the normals may be wrong, pixel by pixel.
+
+Two things make a normal wrong. Noise, and light that the model does not know, move each pixel by
+itself: the residuals of the pixel and the curvature of its own fit tell how far. And the linear
+map that the cues chose is sure in some directions and vague in others; an error in it moves all
+normals together, those across it most. The curvature of the cues at their optimum tells how
+vague, and the covariance is carried to each normal.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from harmface.stereo.cues import Cues
+from harmface.stereo.gauge import Rows, curvature, shifted
+from harmface.stereo.light_models import LightModel
+
+HALF_SURE = 5.0
+"""Expected error, degrees, at which confidence is a half."""
+
+CORRELATED = 30.0
+"""Residuals of the cues that say the same: neighbouring cells share texture and surface."""
+
+
+def noise_error(
+    values: Float[np.ndarray, "F p"],
+    model: LightModel,
+    light: Float[np.ndarray, "F q"],
+    b: Float[np.ndarray, "p 3"],
+    weights: Float[np.ndarray, "F p"],
+) -> Float[np.ndarray, "p"]:
+    """Return the standard deviation of each normal by its own residuals, degrees.
+
+    With `C = s^2 (J' W J)^-1` the covariance of b, s^2 the pixel's weighted mean square residual,
+    the normal's is `P C P / |b|^2`, P the projection across b; its trace is the square of the
+    angle.
+    """
+    slope = model.by_normal(light, b).swapaxes(0, 1)
+    normal = (weights.T[..., None] * slope).swapaxes(1, 2) @ slope
+    residual = values - model.predict(light, b)
+    freedom = np.maximum(weights.sum(axis=0) - 3, 1)
+    variance = (weights * residual**2).sum(axis=0) / freedom
+    floor = 1e-9 * np.einsum("pii->", normal) / len(normal) + np.finfo(np.float64).tiny
+    covariance = np.linalg.inv(normal + floor * np.eye(3)) * variance[:, None, None]
+    squared = np.maximum((b**2).sum(axis=1), np.finfo(np.float64).tiny)
+    along = np.einsum("pi,pij,pj->p", b, covariance, b) / squared
+    across = np.einsum("pii->p", covariance) - along
+    return np.degrees(np.sqrt(np.maximum(across, 0) / squared))
+
+
+def ambiguity_error(
+    cues: Cues, rows: Rows, structure: Float[np.ndarray, "d p"]
+) -> Float[np.ndarray, "p"]:
+    """Return the standard deviation of each normal by the vagueness of the cues, degrees.
+
+    Parameters
+    ----------
+    cues
+        That chose the rows.
+    rows
+        T of `b = T v`.
+    structure
+        v.
+    """
+    information = curvature(cues, rows, shifted, rows.size) / CORRELATED
+    # The scale of T moves no normal; neither does what the cues cannot see at all beyond reason.
+    covariance = np.linalg.inv(information + np.eye(rows.size))
+    size = np.linalg.norm(rows) / 3
+    covariance = covariance.reshape(*rows.shape, *rows.shape) * size**2
+    b = rows @ structure
+    length = np.maximum(np.linalg.norm(b, axis=0), np.finfo(np.float64).tiny)
+    moved = np.einsum("iajb,ap,bp->pij", covariance, structure, structure, optimize=True)
+    n = b / length
+    across = np.einsum("pii->p", moved) - np.einsum("ip,pij,jp->p", n, moved, n)
+    return np.degrees(np.sqrt(np.maximum(across, 0)) / length)
+
+
+def confidence_of(expected: Float[np.ndarray, "*pixels"]) -> Float[np.ndarray, "*pixels"]:
+    """Return confidence in (0, 1], `1 / (1 + e / 5)` of an expected error of e degrees."""
+    return 1 / (1 + expected / HALF_SURE)

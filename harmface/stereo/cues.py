@@ -1,0 +1,235 @@
+"""What is known of a surface beside its images, as a measure of how badly a candidate fits.
+
+A candidate for the scaled normals is `b = T v`, with v known and T to be found. Each cue is a
+set of residuals r that vanish for the true T but for noise of unknown size. With a heavy-tailed
+distribution of unknown width, a cue of N residuals costs about `N mean(log(r^2 + floor^2)) / 2`:
+its weight follows from how well it can be met, so cues need no weights of their own, and edges,
+discontinuities and wrong pixels count for little.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.ndimage import binary_erosion, gaussian_filter
+
+from harmface.stereo.cells import Cells, cells_of
+from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.lorentz import METRIC
+
+MOST_CELLS = 1000
+"""Cells that the search looks at: they fix a dozen numbers many times over."""
+
+TWIST = 0.03
+"""Antisymmetric share of the slopes' derivatives that differences over a cell may leave."""
+
+FLOOR = 0.02
+"""Error of a unit vector, or relative error, that counts as none: about a degree."""
+
+GRAIN_SAY = 0.1
+"""Weight of the albedo's derivatives: neighbouring cells share the grain of a texture."""
+
+KNOWN_SAY = 3000.0
+"""Weight of all measured normals together: what was measured comes before what is likely."""
+
+LORENTZ = 0.1
+"""Departure of first-order rows from a Lorentz transformation that light of degree 2 may cause."""
+
+LORENTZ_SAY = 10.0
+
+LIGHT_SAY = 1500.0
+"""Weight of all light strengths together, against about a thousand cells."""
+
+MOST_EXPLAINED = 500
+"""Pixels whose images the harmonics of a candidate must explain."""
+
+UNEXPLAINED = 0.03
+"""Share of a pixel's values that light beyond degree 2 may leave unexplained."""
+
+EXPLAIN_SAY = 3.0
+
+RIM_SLANT = 0.95
+"""Least outward component of a normal on an occluding outline, seen half a pixel inside it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """Pixels on an occluding outline: normals there have no part along the outline.
+
+    Parameters
+    ----------
+    pixels
+        Index among the masked pixels.
+    outward
+        Unit vectors in the image plane, x right and y up, away from the object.
+    """
+
+    pixels: Int[np.ndarray, "r"]
+    outward: Float[np.ndarray, "r 2"]
+
+
+def outline_of(mask: Bool[np.ndarray, "H W"]) -> Outline:
+    """Return the rim of a mask where it does not touch the border of the picture.
+
+    The outward direction is the slope of the blurred mask, so that it does not follow the steps
+    of the pixels.
+    """
+    rim = mask & ~binary_erosion(mask, border_value=1)
+    blurred = gaussian_filter(mask.astype(np.float64), max(2.0, np.sqrt(mask.sum()) / 20))
+    down, right = np.gradient(blurred)
+    index = np.full(mask.shape, -1)
+    index[mask] = np.arange(mask.sum())
+    slope = -np.stack([right[rim], -down[rim]], axis=1)
+    length = np.linalg.norm(slope, axis=1)
+    sure = length > 0.1 * length.max(initial=0)
+    return Outline(index[rim][sure], slope[sure] / length[sure, None])
+
+
+@dataclass(frozen=True, eq=False)
+class KnownNormals:
+    """Pixels whose normals were measured.
+
+    Parameters
+    ----------
+    pixels
+        Index among the masked pixels.
+    normals
+        Unit normals.
+    """
+
+    pixels: Int[np.ndarray, "k"]
+    normals: Float[np.ndarray, "k 3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Knowledge:
+    """What is known of a surface beside its images.
+
+    Parameters
+    ----------
+    outline
+        Occluding outline.
+    normals
+        Normals measured at some pixels.
+    mirrored
+        Index of each pixel's mirror image, for an object symmetric about a vertical plane that
+        the viewer looks along; -1 where there is none.
+    """
+
+    outline: Outline | None = None
+    normals: KnownNormals | None = None
+    mirrored: Int[np.ndarray, "p"] | None = None
+
+
+NOTHING = Knowledge()
+
+
+class Cues:
+    """Cost of candidates `b = T v` for fixed v.
+
+    Parameters
+    ----------
+    structure
+        v, d numbers a pixel.
+    mask
+        The pixels.
+    knowledge
+        What else is known.
+    explain
+        Whether the harmonic images of the candidate must span the structure: of nine dimensions.
+    lights
+        One point source an image, when their strengths are thought nearly equal: light rows in
+        the basis of v, so that the sources are `lights T^-1`.
+    """
+
+    def __init__(
+        self,
+        structure: Float[np.ndarray, "d p"],
+        mask: Bool[np.ndarray, "H W"],
+        knowledge: Knowledge = NOTHING,
+        *,
+        lights: Float[np.ndarray, "F d"] | None = None,
+        explain: bool = False,
+    ) -> None:
+        # Albedo is divided out, so that its edges do not pass for slopes; all pixels count alike.
+        size = np.linalg.norm(structure, axis=0)
+        size = np.maximum(np.abs(size), 1e-6 * np.abs(size).max())
+        v = (structure / size).T
+        cells: Cells = cells_of(mask).thinned(MOST_CELLS)
+        self._middle, self._dx, self._dy = cells.middle(v), cells.along_x(v), cells.along_y(v)
+        log = np.log(size)[:, None]
+        self._grain = np.stack([cells.along_x(log)[:, 0], cells.along_y(log)[:, 0]])
+        self._coarse = 0.1 * float(np.median(np.abs(self._grain))) + 1e-6
+        self._lights = lights
+        outline, known, mirrored = knowledge.outline, knowledge.normals, knowledge.mirrored
+        self._outline = None if outline is None else (v[outline.pixels], outline.outward)
+        self._known = None if known is None else (v[known.pixels], known.normals)
+        self._explained = None
+        if explain:
+            some = np.linspace(0, len(v) - 1, min(len(v), MOST_EXPLAINED)).astype(int)
+            self._explained = v[some]
+        self._pairs = None
+        if mirrored is not None:
+            left = np.flatnonzero(mirrored >= 0)
+            left = left[:: max(1, len(left) // MOST_CELLS)]
+            self._pairs = (structure.T[left], structure.T[mirrored[left]])
+
+    def cost(self, rows: Float[np.ndarray, "3 d"]) -> float:
+        """Return the cost of T: lower is better, differences of a few units count."""
+        residual, weight = self.residuals(rows)
+        return float(weight @ np.log1p(residual**2)) / 2
+
+    def residuals(
+        self, rows: Float[np.ndarray, "3 d"]
+    ) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:
+        """Return the residuals of all cues over their floors, and their weights."""
+        b, dx, dy = self._middle @ rows.T, self._dx @ rows.T, self._dy @ rows.T
+        squared = (b**2).sum(axis=1) + np.finfo(np.float64).tiny
+        x, y, z = b.T
+        # b x db holds b_z^2 times the derivatives of the slopes; integrable ones are symmetric,
+        # and the share of the antisymmetric part does not change under bas-relief.
+        xx, xy = y * dx[:, 2] - z * dx[:, 1], z * dx[:, 0] - x * dx[:, 2]
+        yx, yy = y * dy[:, 2] - z * dy[:, 1], z * dy[:, 0] - x * dy[:, 2]
+        bend = np.sqrt(xx**2 + xy**2 + yx**2 + yy**2) + np.finfo(np.float64).tiny
+        gx = self._grain[0] + (b * dx).sum(axis=1) / squared
+        gy = self._grain[1] + (b * dy).sum(axis=1) / squared
+        parts = [
+            ((xx + yy) / bend / TWIST, 1.0),
+            (gx / self._coarse, GRAIN_SAY),
+            (gy / self._coarse, GRAIN_SAY),
+            (np.minimum(z / np.sqrt(squared), 0) / FLOOR, 1.0),
+        ]
+        if len(self._middle.T) == 4:
+            products = -rows @ METRIC @ rows.T
+            scale = np.abs(np.trace(products)) / 3 + np.finfo(np.float64).tiny
+            apart = (products / scale - np.eye(3))[np.triu_indices(3)]
+            parts.append((apart / LORENTZ, LORENTZ_SAY))
+        if self._outline is not None:
+            v, outward = self._outline
+            n = _unit(v @ rows.T)
+            along = n[:, 1] * outward[:, 0] - n[:, 0] * outward[:, 1]
+            short = np.maximum(RIM_SLANT - (n[:, :2] * outward).sum(axis=1), 0)
+            parts += [(along / FLOOR, 1.0), (short / FLOOR, 1.0)]
+        if self._known is not None:
+            v, normals = self._known
+            parts.append(((_unit(v @ rows.T) - normals).ravel() / FLOOR, KNOWN_SAY / len(normals)))
+        if self._pairs is not None:
+            here, there = (side @ rows.T for side in self._pairs)
+            length = np.linalg.norm(here, axis=1, keepdims=True)
+            parts.append((((here - there * (-1, 1, 1)) / length).ravel() / FLOOR, 1 / 3))
+        if self._explained is not None:
+            v = self._explained
+            images = scaled_normal_images(v @ rows.T, 2).T
+            missed = v - images @ np.linalg.lstsq(images, v, rcond=None)[0]
+            parts.append((np.linalg.norm(missed, axis=1) / UNEXPLAINED, EXPLAIN_SAY))
+        if self._lights is not None:
+            sources = np.linalg.lstsq(rows.T, self._lights.T, rcond=None)[0]
+            strength = np.log(np.linalg.norm(sources, axis=0) + np.finfo(np.float64).tiny)
+            say = LIGHT_SAY / len(strength)
+            parts.append(((strength - np.median(strength)) / FLOOR, say))
+        weights = [np.full(len(part), say) for part, say in parts]
+        return np.concatenate([part for part, _ in parts]), np.concatenate(weights)
+
+
+def _unit(b: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    return b / (np.linalg.norm(b, axis=1, keepdims=True) + np.finfo(np.float64).tiny)

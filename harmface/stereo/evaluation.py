@@ -1,0 +1,114 @@
+"""How wrong normals are: angles to the truth, as they are and after an ambiguity is undone.
+
+References
+----------
+.. [K76] Kabsch, A Solution for the Best Rotation to Relate Two Sets of Vectors, Acta
+   Crystallographica 1976.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from harmface import checks
+from harmface.errors import ArgumentError
+from harmface.stereo.lorentz import nearest_lorentz
+
+ROUNDS = 10
+"""Rounds in which a linear map settles: its scale changes at each pixel with the map."""
+
+
+@dataclass(frozen=True)
+class AngularError:
+    """Angles between estimated and true normals, degrees.
+
+    Parameters
+    ----------
+    mean, median, p90, p99
+        Over the pixels; p90 and p99 are percentiles.
+    """
+
+    mean: float
+    median: float
+    p90: float
+    p99: float
+
+
+def angular_errors(
+    normals: Float[np.ndarray, "*pixels 3"], truth: Float[np.ndarray, "*pixels 3"]
+) -> Float[np.ndarray, "*pixels"]:
+    """Return the angle between unit normals in degrees.
+
+    The chord, rather than the dot product, keeps small angles exact.
+
+    Examples
+    --------
+    >>> angular_errors(np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 1.0, 0.0]])).round(6)
+    array([90.])
+    """
+    normals = checks.unit_vectors("normals", normals)
+    truth = checks.unit_vectors("truth", truth)
+    if normals.shape != truth.shape:
+        raise ArgumentError(f"truth must match normals {normals.shape}, got {truth.shape}")
+    chord = np.linalg.norm(normals - truth, axis=-1)
+    return np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1)))
+
+
+def summary(errors: Float[np.ndarray, "n"]) -> AngularError:
+    """Return mean, median and percentiles of angles."""
+    if errors.size == 0:
+        raise ArgumentError("errors must hold at least one angle, got none")
+    median, p90, p99 = np.percentile(errors, [50, 90, 99])
+    return AngularError(float(errors.mean()), float(median), float(p90), float(p99))
+
+
+def without_convexity(
+    normals: Float[np.ndarray, "p 3"], truth: Float[np.ndarray, "p 3"]
+) -> Float[np.ndarray, "p 3"]:
+    """Return the normals, or their convex-concave counterpart (-x, -y, z) if that is nearer."""
+    flipped = normals * np.array([-1, -1, 1], normals.dtype)
+    return min(normals, flipped, key=lambda each: float(angular_errors(each, truth).mean()))
+
+
+def without_rotation(
+    normals: Float[np.ndarray, "p 3"], truth: Float[np.ndarray, "p 3"]
+) -> Float[np.ndarray, "p 3"]:
+    """Return the normals after the best rotation or reflection to the truth ([K76]_)."""
+    left, _, right = np.linalg.svd(truth.T @ normals)
+    return normals @ (left @ right).T
+
+
+def without_lorentz(
+    normals: Float[np.ndarray, "p 3"], truth: Float[np.ndarray, "p 3"]
+) -> Float[np.ndarray, "p 3"]:
+    """Return the normals after the Lorentz transformation of (1, n) nearest to the truth.
+
+    It moves normals as a conformal map of the sphere; this is what images of exactly degree 1 or
+    2 leave open, see `second_order`.
+    """
+    null = np.concatenate([np.ones((1, len(normals))), normals.T])
+    image = nearest_lorentz(normals, truth) @ null
+    return np.asarray((image[1:] / image[0]).T)
+
+
+def without_linear_map(
+    b: Float[np.ndarray, "p d"], truth: Float[np.ndarray, "p 3"]
+) -> Float[np.ndarray, "p 3"]:
+    """Return unit normals after the best linear map of d numbers a pixel to the truth.
+
+    With d = 3 this undoes a bas-relief or any other linear ambiguity; with the structure of a
+    factorisation, d = 4 or 9, it is the *oracle*: no method that is linear in that space does
+    better. The map minimises the sum of the squared sines of the angles, `|(I - n n') T v|^2 /
+    |T v|^2`: the numerator is a quadratic form in T, whose least eigenvector is T, and the
+    denominator follows in rounds.
+    """
+    weight = 1 / np.maximum((b**2).sum(axis=1), np.finfo(np.float64).tiny)
+    across = np.eye(3) - truth[:, :, None] * truth[:, None, :]
+    size = b.shape[1]
+    for _ in range(ROUNDS):
+        form = np.einsum("p,pij,pk,pl->ikjl", weight, across, b, b, optimize=True)
+        rows = np.linalg.eigh(form.reshape(3 * size, 3 * size))[1][:, 0].reshape(3, size)
+        mapped = b @ rows.T
+        weight = 1 / np.maximum((mapped**2).sum(axis=1), np.finfo(np.float64).tiny)
+    return mapped * (np.sqrt(weight) * np.sign((mapped * truth).sum()))[:, None]

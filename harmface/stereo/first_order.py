@@ -1,0 +1,100 @@
+"""The first-order method: four-dimensional images, their Lorentz ambiguity and its resolution.
+
+References
+----------
+.. [BJK07] Basri, Jacobs and Kemelmacher, Photometric Stereo with General, Unknown Lighting,
+   IJCV 2007.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface import checks
+from harmface.stereo.cells import cells_of
+from harmface.stereo.cues import NOTHING, Cues, Knowledge
+from harmface.stereo.gauge import Rows, best_lorentz, best_of, shifted
+from harmface.stereo.inflation import inflated_normals
+from harmface.stereo.integrability import integrable_rows, lorentz_rows
+from harmface.stereo.lorentz import NullCone, fit_null_cone
+
+EXACT = 1e-5
+"""Residual of the null cone up to which light counts as of degree 1: higher degrees leave 1e-2."""
+
+
+@dataclass(frozen=True, eq=False)
+class FirstOrder:
+    """Structure of degree 1.
+
+    Parameters
+    ----------
+    cone
+        The quadric of the structure, and whether its signature held.
+    null_vectors
+        (albedo, albedo n) up to a scaled Lorentz transformation.
+    b
+        Scaled normals after the ambiguity was resolved, up to one scale.
+    cost
+        Of the cues, see `Cues`.
+    """
+
+    cone: NullCone
+    null_vectors: Float[np.ndarray, "4 p"]
+    b: Float[np.ndarray, "p 3"]
+    cost: float
+
+
+def first_order(
+    structure: Float[np.ndarray, "4 p"],
+    mask: Bool[np.ndarray, "H W"],
+    knowledge: Knowledge = NOTHING,
+    *,
+    rng: np.random.Generator | int = 0,
+) -> FirstOrder:
+    """Return scaled normals from the rank-4 structure of images under unknown light ([BJK07]_).
+
+    The null cone leaves a Lorentz transformation; cues choose it. Members tried are those of
+    the closed form of integrability, the one nearest to the mask blown up, and random ones.
+    Light beyond degree 1 bends the cone, so where the pixels do not lie on it the last step frees
+    all twelve numbers of b = T v.
+
+    Parameters
+    ----------
+    structure
+        Rank-4 factor of the images over the mask.
+    mask
+        The pixels.
+    knowledge
+        What else is known.
+    rng
+        Draws the transformations tried.
+    """
+    rng = checks.generator(rng)
+    cone = fit_null_cone(structure)
+    vectors = cone.frame @ structure
+    # Off the cone the two readings of albedo differ; the cues want one that has no zeros.
+    shown = np.concatenate([np.linalg.norm(vectors[1:], axis=0)[None], vectors[1:]])
+    cues = Cues(shown, mask, knowledge)
+    direct = shown / shown[0]
+    rows = integrable_rows(direct, cells_of(mask))
+    resolved = lorentz_rows(rows)
+    blown = np.linalg.lstsq(direct.T, inflated_normals(mask), rcond=None)[0].T
+    starts = [] if resolved is None else [resolved, -resolved]
+    lorentz = best_lorentz(cues, starts, rng)
+    best = lorentz
+    if cone.residual > EXACT:
+        best = best_of(cues, [lorentz, blown, *_reliefs(rows)], shifted, 12)
+    return FirstOrder(cone, vectors, shown.T @ best.T, cues.cost(best))
+
+
+def _reliefs(rows: Rows) -> list[Rows]:
+    """Return bas-relief transformations of rows that are known up to one."""
+    rows = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+    return [
+        sign * np.array([[1, 0, mu], [0, 1, nu], [0, 0, flatten]]) @ rows
+        for flatten in (0.4, 0.7, 1.0, 1.5, 2.5)
+        for mu in (-0.6, -0.3, 0.0, 0.3, 0.6)
+        for nu in (-0.6, -0.3, 0.0, 0.3, 0.6)
+        for sign in (-1, 1)
+    ]

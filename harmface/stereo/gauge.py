@@ -1,0 +1,138 @@
+"""Search of a group of linear maps for the member that fits the cues.
+
+What a factorisation leaves open is a group: the Lorentz transformations of harmonic structure
+(six numbers), or every linear map of scaled normals, which light that is general enough allows
+(nine). The cost is not convex, so many members are tried and the best few are improved.
+
+References
+----------
+.. [M78] Moré, The Levenberg-Marquardt Algorithm: Implementation and Theory, 1978.
+"""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import Rotation
+
+from harmface import checks
+from harmface.stereo.cues import Cues
+from harmface.stereo.lorentz import lorentz_transformation
+
+Rows = Float[np.ndarray, "3 d"]
+Move = Callable[[Rows, Float[np.ndarray, "g"]], Rows]
+"""From rows and a small step in the group's parameters to the rows nearby."""
+
+TRIED = 300
+"""Members tried at random: neighbours are about 25 degrees apart for rotations."""
+
+IMPROVED = 4
+"""Best members that are improved."""
+
+RAPIDITY = 0.6
+"""Spread of random boosts; 0.6 turns a normal across the boost by 33 degrees."""
+
+STEPS = 40
+DIFFERENCE = 1e-6
+
+
+def boosted(rows: Rows, step: Float[np.ndarray, "6"]) -> Rows:
+    """Follow a small Lorentz transformation."""
+    return rows @ lorentz_transformation(step)
+
+
+def shifted(rows: Rows, step: Float[np.ndarray, "g"]) -> Rows:
+    """Add a small matrix, relative to the size of the rows."""
+    return rows + step.reshape(rows.shape) * (np.linalg.norm(rows) / 3)
+
+
+def best_lorentz(cues: Cues, starts: Iterable[Rows], rng: np.random.Generator | int) -> Rows:
+    """Return the last three rows of the Lorentz transformation that fits the cues.
+
+    Parameters
+    ----------
+    cues
+        Of null vectors (|b|, b).
+    starts
+        Rows of transformations to try too, from a closed form.
+    rng
+        Draws the members tried.
+    """
+    rng = checks.generator(rng)
+    turns = Rotation.random(TRIED, random_state=rng).as_rotvec()
+    parameters = np.concatenate([rng.normal(0, RAPIDITY, (TRIED, 3)), turns], axis=1)
+    tried = [lorentz_transformation(each)[1:] for each in parameters]
+    return best_of(cues, [*starts, *tried], boosted, 6)
+
+
+def best_linear(cues: Cues, starts: Iterable[Rows]) -> Rows:
+    """Return the linear map of structure that fits the cues, near some starts.
+
+    Parameters
+    ----------
+    cues
+        Of structure of three dimensions, or four.
+    starts
+        Maps to begin with; bas-relief transformations of each are tried as well.
+    """
+    tried = [
+        sign * np.array([[1, 0, mu], [0, 1, nu], [0, 0, flatten]]) @ rows
+        for rows in starts
+        for flatten in (0.4, 0.7, 1.0, 1.5, 2.5)
+        for mu in (-0.6, -0.3, 0.0, 0.3, 0.6)
+        for nu in (-0.6, -0.3, 0.0, 0.3, 0.6)
+        for sign in (-1, 1)
+    ]
+    return best_of(cues, tried, shifted, tried[0].size)
+
+
+def best_of(cues: Cues, tried: list[Rows], move: Move, parameters: int) -> Rows:
+    """Return the best of the members tried, the most promising ones improved."""
+    costs = np.array([cues.cost(rows) for rows in tried])
+    best = np.argsort(costs, kind="stable")[:IMPROVED]
+    return min((improved(cues, tried[k], move, parameters) for k in best), key=cues.cost)
+
+
+def improved(cues: Cues, rows: Rows, move: Move, parameters: int) -> Rows:
+    """Return the member that damped Gauss-Newton reaches ([M78]_), residuals reweighted.
+
+    `w / (1 + r^2)` are the weights under which the squares fall as the logarithms of the cost do.
+    """
+    damping, cost = 1e-2, cues.cost(rows)
+    system = None
+    for _ in range(STEPS):
+        if system is None:
+            system = _normal_equations(cues, rows, move, parameters)
+        normal, right = system
+        ridge = damping * (np.diag(normal) + 1e-9 * np.trace(normal))
+        step = np.linalg.solve(normal + np.diag(ridge), -right)
+        # Steps of more than about 30 degrees leave the range of the linearisation.
+        step *= min(1.0, 0.5 / max(np.linalg.norm(step), np.finfo(np.float64).tiny))
+        trial = move(rows, step)
+        trial_cost = cues.cost(trial)
+        if trial_cost < cost:
+            settled = cost - trial_cost < 1e-3
+            rows, cost, system, damping = trial, trial_cost, None, max(damping / 5, 1e-9)
+            if settled:
+                break
+        else:
+            damping *= 6
+            if damping > 1e9:
+                break
+    return rows
+
+
+def curvature(cues: Cues, rows: Rows, move: Move, parameters: int) -> Float[np.ndarray, "g g"]:
+    """Return the Gauss-Newton second derivative of the cost by the parameters of a move."""
+    return _normal_equations(cues, rows, move, parameters)[0]
+
+
+def _normal_equations(
+    cues: Cues, rows: Rows, move: Move, parameters: int
+) -> tuple[Float[np.ndarray, "g g"], Float[np.ndarray, "g"]]:
+    residual, say = cues.residuals(rows)
+    weight = say / (1 + residual**2)
+    steps = DIFFERENCE * np.eye(parameters)
+    moved = np.stack([cues.residuals(move(rows, step))[0] for step in steps], axis=1)
+    slope = (moved - residual[:, None]) / DIFFERENCE
+    return (slope.T * weight) @ slope, slope.T @ (weight * residual)

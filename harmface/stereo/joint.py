@@ -1,0 +1,177 @@
+"""Light and scaled normals at once: damped Gauss-Newton with the normals eliminated.
+
+All unknowns, q light parameters an image and three components of b a pixel, are improved
+together. A pixel's b couples to no other pixel's, so the normal equations of the step
+
+    [U  W ] [dl]   [g]
+    [W' V ] [db] = [h],   V block diagonal with 3 x 3 blocks,
+
+reduce to `(U - W V^-1 W') dl = g - W V^-1 h`, a system in the light alone, as in bundle
+adjustment [TMHF99]_. Alternating between light and normals instead crawls along the directions
+in which both change together, which are the ones that photometric stereo is about: linear maps
+of b that the light nearly undoes.
+
+References
+----------
+.. [TMHF99] Triggs, McLauchlan, Hartley and Fitzgibbon, Bundle Adjustment: A Modern Synthesis,
+   Vision Algorithms 1999.
+.. [M78] Moré, The Levenberg-Marquardt Algorithm: Implementation and Theory, 1978.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import cho_factor, cho_solve
+
+from harmface.stereo.light_models import LightModel
+
+LEAST_DAMPING = 1e-12
+MOST_DAMPING = 1e8
+
+
+@dataclass(frozen=True, eq=False)
+class JointFit:
+    """Light and structure that explain a stack together.
+
+    Parameters
+    ----------
+    light
+        Parameters of the model, a row an image.
+    b
+        Scaled normals.
+    energies
+        `sum w r^2 / 2` before the first step and after each step taken: it never grows.
+    converged
+        Whether the last step changed the energy by less than the tolerance.
+    """
+
+    light: Float[np.ndarray, "F q"]
+    b: Float[np.ndarray, "p 3"]
+    energies: Float[np.ndarray, "n"]
+    converged: bool
+
+
+def fit_jointly(
+    values: Float[np.ndarray, "F p"],
+    model: LightModel,
+    light: Float[np.ndarray, "F q"],
+    b: Float[np.ndarray, "p 3"],
+    *,
+    weights: Float[np.ndarray, "F p"] | None = None,
+    iterations: int = 60,
+    tolerance: float = 1e-5,
+) -> JointFit:
+    """Return a least-squares fit of light and scaled normals, from a start.
+
+    A step is taken only if it lowers `sum w (M - f(l, b))^2 / 2`; the damping of [M78]_ scales
+    each unknown by its own curvature, and grows when a step fails.
+
+    Parameters
+    ----------
+    values
+        Images as rows of pixels, or the rows of a factorisation if the model is linear in light.
+    model
+        How light makes an image.
+    light, b
+        Start.
+    weights
+        Of the observations; 1 if not given.
+    iterations
+        Most steps tried.
+    tolerance
+        Relative fall of the energy below which the fit has converged.
+    """
+    damping = 1e-3
+    energy = _energy(values, model.predict(light, b), weights)
+    energies = [energy]
+    system = None
+    converged = energy == 0
+    for _ in range(iterations):
+        if converged or damping > MOST_DAMPING:
+            break
+        if system is None:
+            system = _normal_equations(values, model, light, b, weights)
+        light_step, b_step = _solve(system, damping)
+        new_light, new_b = light + light_step, b + b_step
+        new_energy = _energy(values, model.predict(new_light, new_b), weights)
+        if not new_energy < energy:
+            damping *= 8
+            continue
+        converged = energy - new_energy <= tolerance * energy
+        light, b, energy, system = new_light, new_b, new_energy, None
+        damping = max(damping / 5, LEAST_DAMPING)
+        energies.append(energy)
+    return JointFit(light, b, np.array(energies), converged)
+
+
+@dataclass(frozen=True, eq=False)
+class _System:
+    """The blocks of the normal equations: U, V, W, g and h of the module's text."""
+
+    light: Float[np.ndarray, "F q q"]
+    normal: Float[np.ndarray, "p 3 3"]
+    coupling: Float[np.ndarray, "F q p 3"]
+    light_slope: Float[np.ndarray, "F q"]
+    normal_slope: Float[np.ndarray, "p 3"]
+
+
+def _energy(
+    values: Float[np.ndarray, "F p"],
+    predicted: Float[np.ndarray, "F p"],
+    weights: Float[np.ndarray, "F p"] | None,
+) -> float:
+    residual = values - predicted
+    squares = residual**2 if weights is None else weights * residual**2
+    return float(squares.sum() / 2)
+
+
+def _normal_equations(
+    values: Float[np.ndarray, "F p"],
+    model: LightModel,
+    light: Float[np.ndarray, "F q"],
+    b: Float[np.ndarray, "p 3"],
+    weights: Float[np.ndarray, "F p"] | None,
+) -> _System:
+    residual = values - model.predict(light, b)
+    by_light, by_normal = model.by_light(light, b), model.by_normal(light, b)
+    weighted = by_normal if weights is None else weights[..., None] * by_normal
+    weighted_light = by_light if weights is None else weights[:, None] * by_light
+    return _System(
+        light=weighted_light @ by_light.swapaxes(1, 2),
+        normal=np.einsum("fpi,fpj->pij", weighted, by_normal, optimize=True),
+        coupling=by_light[..., None] * weighted[:, None],
+        light_slope=np.einsum("fqp,fp->fq", weighted_light, residual),
+        normal_slope=np.einsum("fpi,fp->pi", weighted, residual),
+    )
+
+
+def _solve(
+    system: _System, damping: float
+) -> tuple[Float[np.ndarray, "F q"], Float[np.ndarray, "p 3"]]:
+    images, size, pixels, _ = system.coupling.shape
+    # Cholesky factors of the damped blocks, so that Z Z' with Z = W C^-T is W V^-1 W'.
+    normal = _damped(system.normal, damping)
+    inverse = np.linalg.inv(np.linalg.cholesky(normal))
+    # Pixels first, so that one small product a pixel makes Z.
+    coupling = system.coupling.reshape(images * size, pixels, 3).swapaxes(0, 1)
+    z = (coupling @ inverse.swapaxes(1, 2)).swapaxes(0, 1).reshape(images * size, pixels * 3)
+    slope = np.einsum("pji,pi->pj", inverse, system.normal_slope)
+    reduced = -(z @ z.T)
+    blocks = reduced.reshape(images, size, images, size)
+    each = np.arange(images)
+    blocks[each, :, each] += _damped(system.light, damping)
+    right = system.light_slope.ravel() - z @ slope.ravel()
+    # LAPACK's Cholesky: scipy's and numpy's general solvers take many times as long here.
+    light_step = cho_solve(cho_factor(reduced, overwrite_a=True), right)
+    rest = slope - (light_step @ z).reshape(pixels, 3)
+    return light_step.reshape(images, size), np.einsum("pij,pi->pj", inverse, rest)
+
+
+def _damped(blocks: Float[np.ndarray, "n d d"], damping: float) -> Float[np.ndarray, "n d d"]:
+    """Add `damping` times the diagonal, and a floor where a parameter has no effect at all."""
+    diagonal = np.einsum("nii->ni", blocks)
+    floor = np.finfo(np.float64).eps * diagonal.mean() + np.finfo(np.float64).tiny
+    damped = blocks.copy()
+    np.einsum("nii->ni", damped)[...] += damping * diagonal + floor
+    return damped

@@ -1,0 +1,124 @@
+"""Photometric stereo when the light is known: one direction an image, or harmonics.
+
+References
+----------
+.. [W80] Woodham, Photometric Method for Determining Surface Orientation from Multiple Images,
+   Optical Engineering 1980.
+.. [BJ03] Basri and Jacobs, Lambertian Reflectance and Linear Subspaces, PAMI 2003.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface import checks
+from harmface.conventions import max_degree_of
+from harmface.errors import ArgumentError
+from harmface.stereo.light_models import HarmonicLight, LightModel
+from harmface.stereo.per_pixel import fit_normals
+from harmface.stereo.robust import NORMAL_MAD, cauchy_weights
+from harmface.stereo.robust_factorization import weighted_solve
+
+ROUNDS = 20
+"""Reweightings of the robust fit: residuals settle in about ten."""
+
+
+def normals_from_directions(
+    values: Float[np.ndarray, "F p"],
+    lights: Float[np.ndarray, "F 3"],
+    *,
+    usable: Bool[np.ndarray, "F p"] | None = None,
+    robust: bool = False,
+) -> Float[np.ndarray, "p 3"]:
+    """Return scaled normals b = albedo n under known directional light ([W80]_).
+
+    Without attached shadow an image is `I = b . l`, three unknowns a pixel. `robust` weighs the
+    observations of each pixel by Cauchy's loss about a scale of its own, so that shadows and
+    highlights lose their say.
+
+    Parameters
+    ----------
+    values
+        Images as rows of pixels.
+    lights
+        Unit direction to the light of each image, times its irradiance.
+    usable
+        Observations that may count: leave out the dark ones, which say `b . l <= 0` only.
+    robust
+        Whether outliers are to be expected among the others.
+
+    Raises
+    ------
+    ArgumentError
+        If lights and images differ in number, or the directions all lie in one plane.
+    """
+    lights = checks.vectors("lights", checks.finite("lights", lights)).astype(np.float64)
+    require_light_for_each("lights", len(lights), len(values))
+    singular = np.linalg.svd(lights, compute_uv=False)
+    if len(lights) < 3 or singular[2] < 1e-3 * singular[0]:
+        raise ArgumentError(
+            "lights must span three dimensions, but all directions lie in one plane; "
+            "add a photograph with light from outside it"
+        )
+    allowed = np.ones(values.shape) if usable is None else usable.astype(np.float64)
+    b = weighted_solve(lights, allowed, values)
+    if not robust:
+        return b.T
+    for _ in range(ROUNDS):
+        residual = values - lights @ b
+        weights = allowed * cauchy_weights(residual, _scales(residual, allowed > 0))
+        b = weighted_solve(lights, weights, values)
+    return b.T
+
+
+def normals_from_coefficients(
+    values: Float[np.ndarray, "F p"],
+    coefficients: Float[np.ndarray, "F K"],
+    *,
+    start: Float[np.ndarray, "p 3"] | None = None,
+) -> Float[np.ndarray, "p 3"]:
+    """Return scaled normals under known general light, given as harmonic coefficients.
+
+    The harmonic images S = L^+ M of the linear least squares ([BJ03]_) hold albedo n in their
+    rows of degree 1, but need K images and obey no constraint. Gauss-Newton on
+    `|M - L S(b)|^2`, three unknowns a pixel, uses what the other rows say too.
+
+    Parameters
+    ----------
+    values
+        Images as rows of pixels.
+    coefficients
+        Coefficients of radiance of each image, to degree 1 or higher.
+    start
+        Scaled normals to start from; the linear least squares if not given.
+    """
+    coefficients = checks.finite("coefficients", coefficients).astype(np.float64)
+    if coefficients.shape[1] < 4:
+        raise ArgumentError(
+            f"coefficients must reach degree 1 at least (K = 4), got K = {coefficients.shape[1]}"
+        )
+    require_light_for_each("coefficients", len(coefficients), len(values))
+    model: LightModel = HarmonicLight(max_degree_of(coefficients.shape[1]))
+    if start is None:
+        # Degree 1 leads the irradiance, so a fit of four rows places b well enough to start.
+        linear, *_ = np.linalg.lstsq(coefficients[:, :4], values, rcond=None)
+        start = np.stack([linear[3], linear[1], linear[2]], axis=1)
+    return fit_normals(values, model, coefficients, start)
+
+
+def _scales(
+    residual: Float[np.ndarray, "F p"], allowed: Bool[np.ndarray, "F p"]
+) -> Float[np.ndarray, "p"]:
+    """Return the robust scale of each pixel's residuals, those not allowed left out."""
+    ordered = np.sort(np.where(allowed, np.abs(residual), np.inf), axis=0)
+    middle = np.maximum(allowed.sum(axis=0) - 1, 0) // 2
+    median = np.take_along_axis(ordered, middle[None], axis=0)[0]
+    # A pixel without any observation has no residual to weigh.
+    return np.where(np.isfinite(median), NORMAL_MAD * median, 0.0)
+
+
+def require_light_for_each(name: str, lights: int, images: int) -> None:
+    """Refuse light that is not given once for each image."""
+    if lights != images:
+        raise ArgumentError(
+            f"{name} must have a row for each of the {images} images, got {lights} rows"
+        )

@@ -1,0 +1,164 @@
+"""How light makes an image of scaled normals: harmonics, point lights, or many directions.
+
+Each model predicts images `f_i(b_p)` of light parameters (a row an image) and scaled normals b
+= albedo n, and differentiates them. All are homogeneous in b, so exposure and albedo share one
+scale.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float
+
+from harmface.stereo.homogeneous import scaled_normal_images, scaled_normal_images_with_jacobian
+
+
+@runtime_checkable
+class LightModel(Protocol):
+    """Images as a function of light parameters and scaled normals."""
+
+    def predict(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p"]:
+        """Return the images."""
+
+    def by_light(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F q p"]:
+        """Return the derivatives by the light parameters of each image."""
+
+    def by_normal(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p 3"]:
+        """Return the derivatives by the scaled normal of each pixel."""
+
+
+@dataclass(frozen=True)
+class HarmonicLight:
+    """Light as harmonic coefficients of radiance: `f = L S(b)`.
+
+    Parameters
+    ----------
+    degree
+        Highest degree.
+    """
+
+    degree: int
+
+    def predict(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p"]:
+        """Return `L S(b)`."""
+        return light @ scaled_normal_images(b, self.degree)
+
+    def by_light(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F q p"]:
+        """Return S(b), the same for every image."""
+        images = scaled_normal_images(b, self.degree)
+        return np.broadcast_to(images, (len(light), *images.shape))
+
+    def by_normal(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p 3"]:
+        """Return `L dS/db`."""
+        return np.tensordot(light, scaled_normal_images_with_jacobian(b, self.degree)[1], axes=1)
+
+
+@dataclass(frozen=True)
+class PointLights:
+    """Distant points, and uniform light all around: `f = a |b| + sum_j max(b . l_j, 0)`.
+
+    The parameters of an image are the `3 count` components of its points l_j, each a direction
+    times an irradiance, and then a, the irradiance of the uniform light, if there is one. A
+    point of zero is switched off: it has no derivative either.
+
+    Parameters
+    ----------
+    count
+        Points of each image.
+    ambient
+        Whether there is uniform light.
+    """
+
+    count: int
+    ambient: bool
+
+    def points(self, light: Float[np.ndarray, "F q"]) -> Float[np.ndarray, "F n 3"]:
+        """Return the points of each image."""
+        return light[:, : 3 * self.count].reshape(len(light), self.count, 3)
+
+    def predict(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p"]:
+        """Return the sum of what the points and the uniform light give."""
+        images = sum(np.maximum(point @ b.T, 0) for point in self.points(light).swapaxes(0, 1))
+        if self.ambient:
+            images = images + light[:, -1:] * np.linalg.norm(b, axis=1)
+        return np.asarray(images)
+
+    def by_light(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F q p"]:
+        """Return b where a point is above the horizon, and |b|."""
+        lit = np.tensordot(self.points(light), b.T, axes=1) > 0
+        rows = (lit[:, :, None] * b.T).reshape(len(light), -1, len(b))
+        if not self.ambient:
+            return rows
+        length = np.broadcast_to(np.linalg.norm(b, axis=1), (len(light), 1, len(b)))
+        return np.concatenate([rows, length], axis=1)
+
+    def by_normal(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p 3"]:
+        """Return the sum of the points above the horizon, and `a b / |b|`."""
+        points = self.points(light)
+        lit = np.tensordot(points, b.T, axes=1) > 0
+        slope = np.einsum("fnp,fni->fpi", lit.astype(b.dtype), points)
+        if self.ambient:
+            length = np.maximum(np.linalg.norm(b, axis=1, keepdims=True), np.finfo(b.dtype).tiny)
+            slope += light[:, -1:, None] * (b / length)
+        return slope
+
+
+@dataclass(frozen=True, eq=False)
+class DenseLight:
+    """Irradiance from each of many directions, and uniform light: `f = W max(D b, 0) + a |b|`.
+
+    The parameters of an image are W, an irradiance a direction, and a last.
+
+    Parameters
+    ----------
+    directions
+        Unit vectors.
+    """
+
+    directions: Float[np.ndarray, "J 3"]
+
+    def predict(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p"]:
+        """Return the weighted sum of what each direction gives."""
+        return light @ self.columns(b)
+
+    def columns(self, b: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "q p"]:
+        """Return the image that each parameter gives alone."""
+        length = np.linalg.norm(b, axis=1)
+        return np.concatenate([np.maximum(self.directions @ b.T, 0), length[None]])
+
+    def by_light(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F q p"]:
+        """Return the image of each parameter, the same for every image."""
+        columns = self.columns(b)
+        return np.broadcast_to(columns, (len(light), *columns.shape))
+
+    def by_normal(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p 3"]:
+        """Return the sum of the lights above the horizon."""
+        lit = (self.directions @ b.T > 0).astype(b.dtype)
+        slope = np.stack([(light[:, :-1] * axis) @ lit for axis in self.directions.T], axis=-1)
+        length = np.maximum(np.linalg.norm(b, axis=1, keepdims=True), np.finfo(b.dtype).tiny)
+        return slope + light[:, -1:, None] * (b / length)

@@ -1,0 +1,178 @@
+"""Photometric stereo from photographs, whatever is known of the light.
+
+References
+----------
+.. [BJK07] Basri, Jacobs and Kemelmacher, Photometric Stereo with General, Unknown Lighting,
+   IJCV 2007.
+.. [R05] Ramamoorthi, Modeling Illumination Variation with Spherical Harmonics, 2005, 0.4.2.
+"""
+
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface import checks
+from harmface.conventions import max_degree_of
+from harmface.errors import ArgumentError
+from harmface.stereo.confidence import confidence_of, noise_error
+from harmface.stereo.cues import KnownNormals
+from harmface.stereo.encoding import looks_gamma_encoded
+from harmface.stereo.factorization import factorize
+from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.known_lights import normals_from_coefficients, normals_from_directions
+from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
+from harmface.stereo.result import Recovered, StereoReport, StereoResult
+from harmface.stereo.robust import cauchy_weights, robust_scale
+from harmface.stereo.stack import ImageStack, image_stack
+from harmface.stereo.unknown_light import harmonic_light, recover
+
+ENCODED = (
+    "images look gamma-encoded: they come nearer to four dimensions when the sRGB curve is "
+    "undone; decode them first"
+)
+
+
+def photometric_stereo(
+    images: Float[np.ndarray, "F H W"],
+    mask: Bool[np.ndarray, "H W"] | None = None,
+    *,
+    light: Float[np.ndarray, "F q"] | None = None,
+    order: Literal[1, 2] = 2,
+    refine: bool = True,
+    outline: bool | None = None,
+    normals_known: Float[np.ndarray, "H W 3"] | None = None,
+    symmetric: bool = False,
+    robust: bool = False,
+    saturated: float = np.inf,
+    rng: np.random.Generator | int = 0,
+) -> StereoResult:
+    """Return normals, albedo and light from photographs of a still, diffuse object.
+
+    With unknown light ([BJK07]_, [R05]_ 0.4.2) the first-order method starts, the second-order
+    method improves, and refinement fits physical light to every pixel.
+
+    Parameters
+    ----------
+    images
+        Linear photographs of one channel, at least 4 (9 for order 2; 3 if light is known).
+    mask
+        The object; everything if not given.
+    light
+        If known: `(F, 3)` directions times irradiance, or `(F, K)` harmonic coefficients of
+        radiance with K = 4, 9, ...
+    order
+        Degree of the harmonic method, 1 (4-D) or 2 (9-D).
+    refine
+        Whether to go on to physical light.
+    outline
+        Whether the rim of the mask is an occluding outline, where normals lie in the image
+        plane; found out from the images if not given.
+    normals_known
+        Normals measured at a few pixels, zero vectors elsewhere.
+    symmetric
+        Whether the object is symmetric about the vertical line through the middle of its mask.
+    robust
+        With known directions: whether highlights and cast shadows are to be expected.
+    saturated
+        Value from which an observation is saturated.
+    rng
+        Draws starting points and pixels.
+
+    Raises
+    ------
+    ArgumentError
+        On too few images, images alike, an empty mask, NaN, or light of the wrong number.
+    """
+    if order not in (1, 2):
+        raise ArgumentError(f"order must be 1 or 2, got {order}")
+    rng = checks.generator(rng)
+    minimum = 3 if light is not None else (4, 9)[order - 1]
+    stack = image_stack(images, mask, minimum=minimum, saturated=saturated)
+    stack = ImageStack(stack.values.astype(np.float64), stack.mask, stack.usable)
+    if light is not None:
+        found = _under_known_light(stack, np.asarray(light), robust)
+    else:
+        found = recover(
+            stack,
+            order=order,
+            refine=refine,
+            outline=outline,
+            normals=_known_normals(normals_known, stack.mask),
+            symmetric=symmetric,
+            rng=rng,
+        )
+    return _result(stack, found)
+
+
+def _under_known_light(
+    stack: ImageStack, light: Float[np.ndarray, "F q"], robust: bool
+) -> Recovered:
+    model: LightModel
+    if light.ndim == 2 and light.shape[1] == 3:
+        b = normals_from_directions(stack.values, light, usable=stack.usable, robust=robust)
+        model, method = PointLights(1, ambient=False), "known directions"
+    elif light.ndim == 2 and light.shape[1] >= 4:
+        b = normals_from_coefficients(stack.values, light)
+        model, method = HarmonicLight(max_degree_of(light.shape[1])), "known coefficients"
+    else:
+        raise ArgumentError(
+            "light must be (F, 3) directions or (F, K) harmonic coefficients with K = 4, 9, ..., "
+            f"got shape {light.shape}"
+        )
+    residual = stack.values - model.predict(light, b)
+    weights = cauchy_weights(residual, robust_scale(residual))
+    expected = noise_error(stack.values, model, light, b, weights)
+    return Recovered(method, b, np.minimum(expected, 90.0), "light")
+
+
+def _result(stack: ImageStack, found: Recovered) -> StereoResult:
+    length = np.linalg.norm(found.b, axis=1)
+    # A pixel that no light reaches has no normal; towards the viewer is as good as any.
+    dark = length <= 1e-9 * length.max()
+    n = np.where(dark[:, None], (0.0, 0.0, 1.0), found.b / np.where(dark, 1.0, length)[:, None])
+    expected = np.where(dark, 90.0, found.expected)
+    lighting = harmonic_light(stack.values, found.b, 2)
+    left = stack.values - lighting @ scaled_normal_images(found.b, 2)
+    rank = min(9, *stack.values.shape)
+    spectrum = factorize(stack.values, rank)
+    encoded = (ENCODED,) if looks_gamma_encoded(stack.values) else ()
+    report = StereoReport(
+        found.method,
+        (float(spectrum.energy[min(3, rank - 1)]), float(spectrum.energy[rank - 1])),
+        spectrum.rank,
+        found.signature_held,
+        found.convexity,
+        found.light_model,
+        float(np.linalg.norm(left) / np.linalg.norm(stack.values)),
+        found.converged,
+        encoded + found.warnings,
+    )
+    return StereoResult(
+        stack.picture(n),
+        stack.picture(length),
+        lighting,
+        stack.picture(confidence_of(expected)),
+        stack.picture(expected),
+        stack.mask,
+        report,
+    )
+
+
+def _known_normals(
+    normals: Float[np.ndarray, "H W 3"] | None, mask: Bool[np.ndarray, "H W"]
+) -> KnownNormals | None:
+    if normals is None:
+        return None
+    normals = checks.vectors("normals_known", normals)
+    if normals.shape[:2] != mask.shape:
+        raise ArgumentError(
+            f"normals_known must have the images' size {mask.shape}, got {normals.shape[:2]}"
+        )
+    inside = normals[mask]
+    pixels = np.flatnonzero((inside != 0).any(axis=1))
+    if len(pixels) < 2:
+        raise ArgumentError(
+            f"normals_known must hold at least 2 normals within the mask, got {len(pixels)}"
+        )
+    return KnownNormals(pixels, checks.unit_vectors("normals_known", inside[pixels]))

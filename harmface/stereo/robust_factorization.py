@@ -1,0 +1,93 @@
+"""Factorisation that a few wrong observations (cast shadows, highlights) cannot bend.
+
+References
+----------
+.. [HW77] Holland and Welsch, Robust Regression Using Iteratively Reweighted Least-Squares,
+   Communications in Statistics 1977.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface.stereo.factorization import factorize
+from harmface.stereo.robust import cauchy_weights, robust_scale
+
+ITERATIONS = 30
+TOLERANCE = 1e-4
+"""Relative fall of the energy at which the iteration has settled."""
+
+
+@dataclass(frozen=True, eq=False)
+class RobustFactorization:
+    """`M ~ light @ structure` where the weights are high.
+
+    Parameters
+    ----------
+    light, structure
+        The factors.
+    weights
+        How much each observation counted, in [0, 1].
+    """
+
+    light: Float[np.ndarray, "F K"]
+    structure: Float[np.ndarray, "K p"]
+    weights: Float[np.ndarray, "F p"]
+
+
+def factorize_robustly(
+    values: Float[np.ndarray, "F p"], rank: int, usable: Bool[np.ndarray, "F p"] | None = None
+) -> RobustFactorization:
+    """Return `L S` that minimises a sum of Cauchy losses of M - L S ([HW77]_).
+
+    Each pass weighs every observation by `1 / (1 + (r / c s)^2)`, r its residual and s a robust
+    scale of all of them, and solves the weighted least squares for S and then for L: each is a
+    small system a pixel or an image. Observations that are not usable have no weight at all.
+
+    Parameters
+    ----------
+    values
+        Images as rows of pixels.
+    rank
+        Dimensions to keep.
+    usable
+        Observations that may count; all if not given.
+    """
+    start = factorize(values, rank)
+    light, structure = start.light, start.structure
+    allowed = np.ones(values.shape) if usable is None else usable.astype(np.float64)
+    energy = np.inf
+    for _ in range(ITERATIONS):
+        residual = values - light @ structure
+        scale = robust_scale(residual[allowed > 0])
+        if scale == 0:
+            break
+        weights = allowed * cauchy_weights(residual, scale)
+        structure = weighted_solve(light, weights, values)
+        light = weighted_solve(structure.T, weights.T, values.T).T
+        before, energy = energy, float((weights * (values - light @ structure) ** 2).sum())
+        if before - energy <= TOLERANCE * before < np.inf:
+            break
+    residual = values - light @ structure
+    scale = robust_scale(residual[allowed > 0])
+    return RobustFactorization(light, structure, allowed * cauchy_weights(residual, scale))
+
+
+def weighted_solve(
+    design: Float[np.ndarray, "n K"],
+    weights: Float[np.ndarray, "n p"],
+    values: Float[np.ndarray, "n p"],
+) -> Float[np.ndarray, "K p"]:
+    """Return for each column the x that minimises `sum_i w_i (v_i - design_i x)^2`.
+
+    The K x K normal equations of all columns come from one matrix product; a trace of their
+    mean on the diagonal keeps columns with too few observations solvable.
+    """
+    size = design.shape[1]
+    squares = np.einsum("ni,nj->nij", design, design).reshape(len(design), -1)
+    normal = (weights.T @ squares).reshape(-1, size, size)
+    ridge = np.finfo(np.float64).eps * np.trace(normal.mean(axis=0)) + np.finfo(np.float64).tiny
+    normal += ridge * np.eye(size)
+    moments = (weights * values).T @ design
+    return np.linalg.solve(normal, moments[..., None])[..., 0].T

@@ -1,0 +1,124 @@
+"""Photographs of a still object as one matrix, images by pixels, checked at the door."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface import checks
+from harmface.errors import ArgumentError
+
+LEAST_VARIATION = 1e-2
+"""Second over first singular value below which all images count as alike: the light moved too
+little for its effect to stand out from noise of one percent."""
+
+DARK = 0.01
+"""Values below this fraction of the stack's 99th percentile count as dark by default."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImageStack:
+    """Linear images over the pixels of a mask.
+
+    Parameters
+    ----------
+    values
+        Images as rows, over the masked pixels in row-major order.
+    mask
+        Which pixels of the picture the columns are.
+    usable
+        Which observations are neither dark nor saturated.
+    """
+
+    values: Float[np.ndarray, "F p"]
+    mask: Bool[np.ndarray, "H W"]
+    usable: Bool[np.ndarray, "F p"]
+
+    def picture(
+        self, values: Float[np.ndarray, "p *channels"], background: float = 0.0
+    ) -> Float[np.ndarray, "H W *channels"]:
+        """Return values of the pixels as a picture, the background filled."""
+        return picture(values, self.mask, background)
+
+
+def picture(
+    values: Float[np.ndarray, "p *channels"], mask: Bool[np.ndarray, "H W"], background: float = 0.0
+) -> Float[np.ndarray, "H W *channels"]:
+    """Return values of the masked pixels as a picture, the background filled."""
+    image = np.full((*mask.shape, *values.shape[1:]), background, dtype=values.dtype)
+    image[mask] = values
+    return image
+
+
+def image_stack(
+    images: Float[np.ndarray, "F H W"],
+    mask: Bool[np.ndarray, "H W"] | None = None,
+    *,
+    minimum: int = 4,
+    dark: float | None = None,
+    saturated: float = np.inf,
+) -> ImageStack:
+    """Check linear photographs and lay their masked pixels out as a matrix.
+
+    Parameters
+    ----------
+    images
+        Linear images, not negative; at least `minimum` of them.
+    mask
+        The object; everything if not given.
+    minimum
+        Fewest images that the method at hand needs.
+    dark
+        Value up to which a pixel counts as dark; 1 % of the 99th percentile if not given.
+    saturated
+        Value from which a pixel counts as saturated.
+
+    Raises
+    ------
+    ArgumentError
+        On too few images, a mask that is empty or of another size, NaN, negative values, or
+        images that are all alike up to exposure.
+    """
+    images = np.asarray(images)
+    if images.ndim != 3:
+        raise ArgumentError(
+            f"images must have shape (F, H, W), one size for all, got {images.shape}; "
+            "turn colour into one channel first"
+        )
+    if len(images) < minimum:
+        raise ArgumentError(
+            f"images must number at least {minimum}, got {len(images)}; take more photographs "
+            "under other light, or use a method with fewer dimensions"
+        )
+    mask = checked_mask(mask, images.shape[1:])
+    values = checks.non_negative("images", images[:, mask])
+    _refuse_alike(values)
+    if dark is None:
+        dark = DARK * float(np.percentile(values, 99))
+    return ImageStack(values, mask, (values > dark) & (values < saturated))
+
+
+def checked_mask(
+    mask: Bool[np.ndarray, "H W"] | None, shape: tuple[int, ...]
+) -> Bool[np.ndarray, "H W"]:
+    """Return a mask that has pixels and the size of the images; all pixels if there is none."""
+    if mask is None:
+        return np.ones(shape, dtype=bool)
+    mask = np.asarray(mask)
+    if mask.shape != shape:
+        raise ArgumentError(f"mask must have the images' size {shape}, got {mask.shape}")
+    mask = mask.astype(bool)
+    if not mask.any():
+        raise ArgumentError("mask must cover at least one pixel, got an empty one")
+    return mask
+
+
+def _refuse_alike(values: Float[np.ndarray, "F p"]) -> None:
+    # A few thousand pixels tell as much as all.
+    some = values[:, :: max(1, values.shape[1] // 4096)].astype(np.float64)
+    singular = np.sqrt(np.maximum(np.linalg.eigvalsh(some @ some.T)[::-1], 0))
+    if len(singular) > 1 and singular[1] <= LEAST_VARIATION * singular[0]:
+        raise ArgumentError(
+            "images must differ in their light, but they are alike up to exposure (rank 1); "
+            "move the light between photographs"
+        )

@@ -1,0 +1,195 @@
+"""Structure from photographs under unknown light: the methods in their order.
+
+References
+----------
+.. [BJK07] Basri, Jacobs and Kemelmacher, Photometric Stereo with General, Unknown Lighting,
+   IJCV 2007.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.ndimage import binary_erosion
+
+from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
+from harmface.stereo.confidence import ambiguity_error, noise_error
+from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
+from harmface.stereo.factorization import factorize
+from harmface.stereo.first_order import FirstOrder, first_order
+from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
+from harmface.stereo.per_pixel import fit_normals
+from harmface.stereo.refinement import mapped, structure_of
+from harmface.stereo.refinement import refine as refined
+from harmface.stereo.result import Recovered
+from harmface.stereo.robust import cauchy_weights, robust_scale
+from harmface.stereo.second_order import second_order
+from harmface.stereo.stack import ImageStack
+
+OUTLINE_PRICE = 3.0
+"""Most that a pixel on an outline may cost the cues if the outline is to be believed: about 1 on
+true outlines, 4 and more on the borders of reliefs."""
+
+WEAK = 1e-3
+"""Share of the first singular value below which a ninth dimension is of no use."""
+
+
+def recover(
+    stack: ImageStack,
+    *,
+    order: int,
+    refine: bool,
+    outline: bool | None,
+    normals: KnownNormals | None,
+    symmetric: bool,
+    rng: np.random.Generator,
+) -> Recovered:
+    """Return the structure by the method of an order ([BJK07]_), refined or not.
+
+    What all pixels share is found on blocks of pixels, then every pixel follows.
+
+    Parameters
+    ----------
+    stack
+        Photographs in float64.
+    order, refine, outline, symmetric
+        As in `photometric_stereo`.
+    normals
+        Normals measured at some pixels.
+    rng
+        Draws starting points and pixels.
+    """
+    factor = 1 if normals is not None else coarse_factor(stack.mask)
+    coarse = coarse_stack(stack, factor)
+    known = Knowledge(None, normals, mirror_index(coarse.mask) if symmetric else None)
+    found = factorize(coarse.values, (4, 9)[order - 1])
+    first, known = _first_order(found.structure[:4], coarse.mask, outline, known, rng)
+    b = first.b
+    warnings = []
+    if not first.cone.signature_held:
+        warnings.append("the quadric of the first-order structure lost its signature")
+    if order == 2:
+        if found.singular_values[8] < WEAK * found.singular_values[0]:
+            warnings.append(
+                "images have fewer than nine usable dimensions: the light is smooth or changes "
+                "little, so the second order adds little to the first"
+            )
+        b = second_order(found.structure, coarse.mask, b, known).b
+    structure = found.light.T @ stack.values
+    model: LightModel = HarmonicLight(order)
+    converged = None
+    if refine:
+        fit = refined(coarse.values, coarse.mask, b, known, rng=rng)
+        model, light, converged = fit.model, fit.light, fit.converged
+        seen, rows, weights = fit.structure, fit.transformation, fit.weights
+        raw = seen[-3:].T
+        if factor > 1:
+            raw = spread_over(raw, found.structure, structure)
+            raw, weights = _refitted(stack.values, model, light, raw)
+        extended = structure_of(model, raw)
+        b = mapped(rows, extended)
+        single = isinstance(model, PointLights) and not model.ambient
+        cues = Cues(seen, coarse.mask, known, lights=light if single else None)
+    else:
+        rows = np.linalg.lstsq(found.structure.T, b, rcond=None)[0].T
+        extended, b = structure, structure.T @ rows.T
+        raw = b
+        light = harmonic_light(stack.values, raw, order)
+        weights = np.ones(stack.values.shape)
+        cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
+    noise = noise_error(stack.values, model, light, raw, weights)
+    expected = np.minimum(np.hypot(noise, ambiguity_error(cues, rows, extended)), 90.0)
+    b, convexity = _convex(b, stack.mask, known)
+    return Recovered(
+        "refined" if refine else ("first order", "second order")[order - 1],
+        b / np.linalg.norm(b, axis=1).max(),
+        expected,
+        convexity,
+        signature_held=first.cone.signature_held,
+        light_model=_name_of(model) if refine else None,
+        converged=converged,
+        warnings=tuple(warnings),
+    )
+
+
+def _first_order(
+    structure: Float[np.ndarray, "4 c"],
+    mask: Bool[np.ndarray, "H W"],
+    outline: bool | None,
+    known: Knowledge,
+    rng: np.random.Generator,
+) -> tuple[FirstOrder, Knowledge]:
+    """Return the first-order structure, and what is known with the outline if it is believed."""
+    rim = outline_of(mask)
+    if outline is False or (outline is None and len(rim.pixels) < 16):
+        return first_order(structure, mask, known, rng=rng), known
+    knowing = replace(known, outline=rim)
+    with_rim = first_order(structure, mask, knowing, rng=rng)
+    if outline:
+        return with_rim, knowing
+    without = first_order(structure, mask, known, rng=rng)
+    if with_rim.cost - without.cost < OUTLINE_PRICE * len(rim.pixels):
+        return with_rim, knowing
+    return without, known
+
+
+def _refitted(
+    values: Float[np.ndarray, "F p"],
+    model: LightModel,
+    light: Float[np.ndarray, "F q"],
+    start: Float[np.ndarray, "p 3"],
+) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
+    """Return every pixel fitted by itself, and the weights of its observations."""
+    raw = fit_normals(values, model, light, start)
+    residual = values - model.predict(light, raw)
+    weights = cauchy_weights(residual, robust_scale(residual))
+    return fit_normals(values, model, light, raw, weights=weights), weights
+
+
+def harmonic_light(
+    values: Float[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"], degree: int
+) -> Float[np.ndarray, "F K"]:
+    """Return the coefficients of least squares for known structure."""
+    images = scaled_normal_images(b, degree)
+    gram = images @ images.T
+    return np.linalg.lstsq(gram, images @ values.T, rcond=1e-12)[0].T
+
+
+def _convex(
+    b: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], known: Knowledge
+) -> tuple[Float[np.ndarray, "p 3"], str]:
+    """Return b, or its convex-concave counterpart, and what decided.
+
+    (-x, -y, z) under light turned likewise makes the same images and is as integrable.
+    Measured normals and outlines tell the two apart; without them the rim is made to lean
+    outwards, as that of most objects does.
+    """
+    if b[:, 2].sum() < 0:
+        b = -b
+    if known.normals is not None:
+        return b, "known normals"
+    if known.outline is not None:
+        return b, "outline"
+    rows, columns = np.nonzero(mask)
+    rim = (mask & ~binary_erosion(mask, iterations=max(1, int(np.sqrt(mask.sum()) / 20))))[mask]
+    x, y = columns - columns.mean(), rows.mean() - rows
+    lean = ((b[:, 0] * x + b[:, 1] * y) / np.linalg.norm(b, axis=1).clip(min=1e-300))[rim].sum()
+    return (b * (-1, -1, 1) if lean < 0 else b), "assumed"
+
+
+def mirror_index(mask: Bool[np.ndarray, "H W"]) -> Int[np.ndarray, "p"]:
+    """Return the index of each pixel's mirror image about the mask's middle column, or -1."""
+    columns = np.flatnonzero(mask.any(axis=0))
+    index = np.full(mask.shape, -1)
+    index[mask] = np.arange(mask.sum())
+    rows, here = np.nonzero(mask)
+    there = columns[0] + columns[-1] - here
+    inside = (there >= 0) & (there < mask.shape[1])
+    return np.where(inside, index[rows, there.clip(0, mask.shape[1] - 1)], -1)
+
+
+def _name_of(model: LightModel) -> str:
+    if isinstance(model, PointLights):
+        return "points and uniform" if model.ambient else "one point"
+    return "harmonic"

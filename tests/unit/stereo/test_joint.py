@@ -1,0 +1,99 @@
+import numpy as np
+import pytest
+
+from harmface.stereo import angular_errors, without_linear_map, without_lorentz
+from harmface.stereo.joint import fit_jointly
+from harmface.stereo.light_models import HarmonicLight, PointLights
+from harmface.stereo.non_negative import dense_light, fit_dense_light, points_of
+from harmface.stereo.per_pixel import fit_normals
+
+
+def sampled(scene, count=120):
+    return scene.b[:: len(scene.b) // count]
+
+
+def unit(b):
+    return b / np.linalg.norm(b, axis=1, keepdims=True)
+
+
+def test_degree_two_is_recovered_up_to_a_lorentz_transformation(ball, rng):
+    truth = sampled(ball)
+    light = rng.standard_normal((12, 9)) + 4 * np.eye(9)[0]
+    model = HarmonicLight(2)
+    images = model.predict(light, truth)
+    start = truth + 0.05 * rng.standard_normal(truth.shape)
+    fit = fit_jointly(images, model, light, start, iterations=200, tolerance=1e-14)
+    moved = without_lorentz(unit(fit.b), unit(truth))
+    assert angular_errors(moved, unit(truth)).max() < 1e-4
+
+
+def test_point_sources_are_recovered_up_to_a_linear_map(ball, single_lights, rng):
+    truth = sampled(ball)
+    model = PointLights(1, ambient=False)
+    images = np.maximum(single_lights @ truth.T, 0)
+    start = truth + 0.05 * rng.standard_normal(truth.shape)
+    fit = fit_jointly(images, model, single_lights, start, iterations=200, tolerance=1e-14)
+    mapped = without_linear_map(fit.b, unit(truth))
+    assert angular_errors(mapped, unit(truth)).max() < 1e-4
+
+
+@pytest.mark.parametrize("weighted", [False, True])
+def test_energy_falls_and_is_that_of_the_result(ball, single_lights, rng, weighted):
+    truth = sampled(ball)
+    images = np.maximum(single_lights @ truth.T, 0) + 0.02 * rng.standard_normal((24, len(truth)))
+    weights = rng.uniform(0.1, 1, images.shape) if weighted else None
+    model = PointLights(2, ambient=True)
+    light = np.concatenate([single_lights, 0.1 * single_lights[::-1], np.full((24, 1), 0.1)], 1)
+    fit = fit_jointly(images, model, light, truth, weights=weights, iterations=10)
+    assert len(fit.energies) > 3
+    assert (np.diff(fit.energies) < 0).all()
+    squares = (images - model.predict(fit.light, fit.b)) ** 2
+    energy = (squares if weights is None else weights * squares).sum() / 2
+    assert abs(fit.energies[-1] / energy - 1) < 1e-12
+
+
+def test_step_is_that_of_the_whole_normal_equations(rng):
+    from harmface.stereo import joint
+
+    model = HarmonicLight(1)
+    light, b = rng.standard_normal((5, 4)), rng.standard_normal((6, 3))
+    values, weights = rng.standard_normal((5, 6)), rng.uniform(0.5, 1, (5, 6))
+    system = joint._normal_equations(values, model, light, b, weights)
+    light_step, b_step = joint._solve(system, 0.1)
+    jacobian = np.zeros((5, 6, 20 + 18))
+    for f in range(5):
+        jacobian[f, :, 4 * f : 4 * f + 4] = model.by_light(light, b)[f].T
+        for p in range(6):
+            jacobian[f, p, 20 + 3 * p : 23 + 3 * p] = model.by_normal(light, b)[f, p]
+    flat, w = jacobian.reshape(30, -1), weights.ravel()
+    normal = flat.T @ (w[:, None] * flat)
+    right = flat.T @ (w * (values - model.predict(light, b)).ravel())
+    step = np.linalg.solve(normal + 0.1 * np.diag(np.diag(normal)), right)
+    assert np.allclose(np.concatenate([light_step.ravel(), b_step.ravel()]), step, atol=1e-9)
+
+
+def test_weights_of_zero_leave_outliers_out(ball, single_lights):
+    images = np.maximum(single_lights @ ball.b.T, 0)
+    weights = (images > 0).astype(float)
+    images[:, ::7] += 2 * (np.arange(24) % 5 == 0)[:, None]
+    weights[::5, ::7] = 0
+    start = ball.b + 0.1
+    b = fit_normals(images, PointLights(1, ambient=False), single_lights, start, weights=weights)
+    assert np.abs(b - ball.b).max() < 1e-6
+
+
+def test_dense_light_is_not_negative_and_finds_its_own(ball, rng):
+    model = dense_light()
+    light = np.zeros((3, len(model.directions) + 1))
+    facing = np.flatnonzero(model.directions[:, 2] > 0.3)
+    light[np.arange(3), facing[[0, 9, 20]]] = 1.0
+    light[:, -1] = 0.2
+    images = model.predict(light, ball.b)
+    found = fit_dense_light(images, model, ball.b)
+    assert (found >= 0).all()
+    assert np.abs(found - light).max() < 1e-3
+    weights = rng.uniform(0.2, 1, images.shape)
+    assert np.abs(fit_dense_light(images, model, ball.b, weights) - light).max() < 1e-3
+    points = points_of(light, model, 2)
+    assert np.allclose(points[:, :3], model.directions[facing[[0, 9, 20]]])
+    assert np.allclose(points[:, 3:], [0, 0, 0, 0.2])

@@ -1,0 +1,80 @@
+"""The first-order, second-order and refined methods on images that the renderer made."""
+
+import numpy as np
+import pytest
+
+from harmface.rendering import harmonic_images
+from harmface.sphere import fibonacci_directions
+from harmface.stereo import (
+    angular_errors,
+    factorize,
+    first_order,
+    refine,
+    second_order,
+    without_convexity,
+)
+from harmface.stereo.cues import Knowledge, outline_of
+from harmface.stereo.light_models import HarmonicLight, PointLights
+
+
+def error(b, scene):
+    normals = b / np.linalg.norm(b, axis=1, keepdims=True)
+    return angular_errors(without_convexity(normals, scene.normals), scene.normals).mean()
+
+
+@pytest.fixture(scope="module")
+def lit_ball(ball, single_lights):
+    """One point source an image."""
+    return ball.images(single_lights, np.eye(len(single_lights)))
+
+
+def test_degree_one_images_give_the_surface(hills, rng):
+    light = rng.standard_normal((10, 4)) + 4 * np.eye(4)[0]
+    images = light @ harmonic_images(hills.normals, hills.albedo, 1)
+    found = first_order(factorize(images, 4).structure, hills.mask)
+    assert found.cone.signature_held
+    # Differences over cells err by 0.8 % on the shortest wave; the group is six numbers.
+    assert error(found.b, hills) < 2
+
+
+def test_first_and_second_order_under_point_sources(ball, lit_ball):
+    structure = factorize(lit_ball, 9).structure
+    outline = outline_of(ball.mask)
+    first = first_order(structure[:4], ball.mask, Knowledge(outline))
+    second = second_order(structure, ball.mask, first.b, Knowledge(outline))
+    assert error(first.b, ball) < 12
+    assert error(second.b, ball) < 6
+    # The outline tells convex from concave.
+    normals = second.b / np.linalg.norm(second.b, axis=1, keepdims=True)
+    assert angular_errors(normals, ball.normals).mean() < 6
+
+
+def test_point_sources_are_refined(ball, lit_ball, rng):
+    images = lit_ball + 0.002 * np.abs(rng.standard_normal(lit_ball.shape))
+    start = ball.b + 0.1 * rng.standard_normal(ball.b.shape)
+    found = refine(images, ball.mask, start, Knowledge(outline_of(ball.mask)))
+    assert found.model == PointLights(1, ambient=False)
+    assert (np.diff(found.energies) < 0).all()
+    assert error(found.b, ball) < 1.5
+    predicted = found.model.predict(found.light, found.structure.T)
+    assert np.sqrt(np.mean((predicted - images) ** 2)) < 0.01
+
+
+def test_smooth_light_is_refined_as_harmonic(ball, rng):
+    sky = fibonacci_directions(300)
+    axes = fibonacci_directions(16)
+    weights = np.exp(2 * axes @ sky.T + 0.5 * rng.standard_normal((16, 1))) / 300
+    images = ball.images(sky, weights)
+    start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
+    found = refine(images, ball.mask, start, Knowledge(outline_of(ball.mask)))
+    assert found.model == HarmonicLight(2)
+    assert error(found.b, ball) < 1
+    # Albedo comes back but for one scale: a few percent, as the light has some degree 4.
+    ratio = np.linalg.norm(found.b, axis=1) / ball.albedo
+    assert np.std(ratio / ratio.mean()) < 0.05
+
+
+def test_same_seed_same_bytes(ball, lit_ball):
+    structure = factorize(lit_ball, 4).structure
+    results = [first_order(structure, ball.mask, rng=7).b for _ in range(2)]
+    assert np.array_equal(*results)

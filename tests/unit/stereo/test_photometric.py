@@ -1,0 +1,135 @@
+import numpy as np
+import pytest
+
+from harmface.conventions import linear_to_srgb
+from harmface.errors import ArgumentError
+from harmface.rendering import harmonic_images, relight
+from harmface.stereo import (
+    angular_errors,
+    image_stack,
+    photometric_stereo,
+    without_convexity,
+)
+from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
+
+
+@pytest.fixture(scope="module")
+def photographs(ball, single_lights):
+    return ball.pictures(ball.images(single_lights, np.eye(len(single_lights))))
+
+
+def error(result, scene):
+    return angular_errors(result.normals[scene.mask], scene.normals).mean()
+
+
+def test_known_directions(ball, photographs, single_lights):
+    result = photometric_stereo(photographs, ball.mask, light=single_lights)
+    assert result.report.method == "known directions"
+    # Dark observations are left out, so the fit is exact.
+    assert error(result, ball) < 1e-4
+    assert np.allclose(result.albedo[ball.mask], ball.albedo, rtol=1e-6)
+    assert (result.normals[~ball.mask] == 0).all()
+
+
+def test_known_coefficients(ball, rng):
+    light = rng.standard_normal((12, 9)) + 5 * np.eye(9)[0]
+    images = np.maximum(light @ harmonic_images(ball.normals, ball.albedo, 2), 0)
+    result = photometric_stereo(ball.pictures(images), ball.mask, light=light)
+    assert result.report.method == "known coefficients"
+    assert np.median(angular_errors(result.normals[ball.mask], ball.normals)) < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("order", "refine", "method", "most"),
+    [(1, False, "first order", 12), (2, False, "second order", 6), (2, True, "refined", 2)],
+)
+def test_nothing_known(ball, photographs, order, refine, method, most):
+    result = photometric_stereo(photographs, ball.mask, order=order, refine=refine)
+    assert result.report.method == method
+    assert result.report.convexity == "outline"
+    assert error(result, ball) < most
+    inside = ball.mask
+    assert np.allclose(np.linalg.norm(result.normals[inside], axis=1), 1)
+    assert result.albedo.max() == pytest.approx(1)
+    assert ((result.confidence[inside] > 0) & (result.confidence[inside] <= 1)).all()
+    basis = harmonic_images(result.normals[inside], result.albedo[inside])
+    left = photographs[:, inside] - relight(result.lighting, basis)
+    share = np.linalg.norm(left) / np.linalg.norm(photographs)
+    assert share == pytest.approx(result.report.residual)
+    # Nine harmonics hold 98 % of the energy of a point source's images and more.
+    assert share < 0.15
+
+
+def test_a_relief_has_no_outline(hills, single_lights):
+    images = hills.pictures(hills.images(single_lights, np.eye(24)))
+    result = photometric_stereo(images)
+    assert result.report.convexity == "assumed"
+    normals = without_convexity(result.normals.reshape(-1, 3), hills.normals)
+    assert angular_errors(normals, hills.normals).mean() < 2
+
+
+def test_known_normals_and_symmetry_are_used(ball, photographs):
+    known = np.zeros((*ball.mask.shape, 3))
+    truth = np.zeros_like(known)
+    truth[ball.mask] = ball.normals
+    for row, column in ((12, 20), (25, 12), (28, 27)):
+        known[row, column] = truth[row, column]
+    result = photometric_stereo(
+        photographs, ball.mask, normals_known=known, order=2, refine=False, outline=False
+    )
+    assert result.report.convexity == "known normals"
+    assert error(result, ball) < 5
+    symmetric = photometric_stereo(photographs, ball.mask, symmetric=True, order=1, refine=False)
+    plain = photometric_stereo(photographs, ball.mask, order=1, refine=False)
+    assert not np.array_equal(symmetric.normals, plain.normals)
+
+
+def test_gamma_is_noticed(hills, single_lights):
+    images = hills.pictures(hills.images(single_lights, np.eye(24)))
+    images = images / images.max()
+    for photographs, noticed in ((images, False), (linear_to_srgb(images), True)):
+        result = photometric_stereo(photographs, order=1, refine=False, outline=False)
+        assert any("gamma" in warning for warning in result.report.warnings) == noticed
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda i, m: {"images": i[:8]}, "at least 9, got 8"),
+        (lambda i, m: {"images": i[:3], "order": 1}, "at least 4, got 3"),
+        (lambda i, m: {"images": i[:2], "light": np.eye(3)[:2]}, "at least 3, got 2"),
+        (lambda i, m: {"order": 3}, "order must be 1 or 2"),
+        (lambda i, m: {"mask": m[1:]}, "mask must have"),
+        (lambda i, m: {"mask": ~m & m}, "at least one pixel"),
+        (lambda i, m: {"images": i * np.nan}, "finite"),
+        (lambda i, m: {"images": i[:1].repeat(12, axis=0)}, "alike"),
+        (lambda i, m: {"light": np.eye(3)}, "row for each of the 24 images"),
+        (lambda i, m: {"light": np.ones((24, 2))}, "light must be"),
+        (lambda i, m: {"light": np.ones((24, 5))}, "square"),
+        (lambda i, m: {"normals_known": np.zeros((3, 3, 3))}, "normals_known must have"),
+        (lambda i, m: {"normals_known": np.zeros((*m.shape, 3))}, "at least 2 normals"),
+        (lambda i, m: {"normals_known": np.ones((*m.shape, 3))}, "unit vectors"),
+    ],
+)
+def test_nonsense_is_refused(ball, photographs, change, message):
+    arguments = {"images": photographs, "mask": ball.mask, **change(photographs, ball.mask)}
+    with pytest.raises(ArgumentError, match=message):
+        photometric_stereo(**arguments)
+
+
+def test_blocks_are_means_and_spread_back(rng):
+    images = rng.uniform(0.1, 1, (5, 13, 11))
+    mask = np.ones((13, 11), bool)
+    mask[4, 5] = False
+    stack = image_stack(images, mask)
+    coarse = coarse_stack(stack, 3)
+    assert coarse.mask.shape == (4, 3)
+    assert not coarse.mask[1, 1]
+    assert coarse.mask.sum() == 11
+    assert np.allclose(coarse.picture(coarse.values[2])[3, 2], images[2, 9:12, 6:9].mean())
+    assert coarse_stack(stack, 1) is stack
+    assert coarse_factor(np.ones((256, 256), bool)) == 4
+    rows = rng.standard_normal((2, 5))
+    spread = spread_over((rows @ coarse.values).T, coarse.values, stack.values)
+    assert np.allclose(spread, (rows @ stack.values).T)
