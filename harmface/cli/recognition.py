@@ -26,6 +26,10 @@ def enroll(
     ],
     out: Annotated[Path, typer.Option(help="Gallery file (.npz) to write.")],
     size: SizeOption = 64,
+    cast_shadows: Annotated[
+        bool,
+        typer.Option(help="Cast rays for the shadows of a head on itself: slower and better."),
+    ] = False,
     srgb_colors: SrgbColorsOption = False,
 ) -> None:
     """Enroll subjects from meshes: nine harmonic images each.
@@ -45,7 +49,8 @@ def enroll(
     with progress("enrolling") as report:
         for number, path in enumerate(files.values()):
             try:
-                images.append(subject_images(load_mesh(path, None, srgb_colors), size, 2))
+                mesh = load_mesh(path, None, srgb_colors)
+                images.append(subject_images(mesh, size, 2, cast_shadows))
             except ArgumentError as error:
                 raise FileError(f"{path}: {error}") from None
             report((number + 1) / len(files))

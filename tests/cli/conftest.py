@@ -29,7 +29,7 @@ def run(tmp_path, monkeypatch, capfd):
 
 
 @pytest.fixture
-def refuses(run, tmp_path):
+def check_refused(run, tmp_path):
     """Check that a command is refused in one line that matches, with nothing written."""
 
     def check(pattern, *arguments):

@@ -120,25 +120,25 @@ def test_two_lights_add(run, ball, tmp_path):
     assert np.abs(a + b - c).max() < 3 / 2**16
 
 
-def test_render_refuses_nonsense(ball, refuses):
+def test_render_refuses_nonsense(ball, check_refused):
     render = ("render", ball, "--out", "x.png")
-    refuses("give either --light", *render)
-    refuses("give either --light", *render, "--light", "1,2", "--environment", "e.hdr")
-    refuses("AZIMUTH,ELEVATION", *render, "--light", "left")
-    refuses("elevation from -90 to 90", *render, "--light", "0,91")
-    refuses("elevation from -90 to 90", *render, "--light", "nan,0")
-    refuses("e.hdr: does not exist", *render, "--environment", "e.hdr")
-    refuses("bits must be 8 or 16", *render, "--light", "0,0", "--bits", 9)
-    refuses("rows of shape must be 1 or more", *render, "--light", "0,0", "--size", 0)
-    refuses("ends in .png", "render", ball, "--out", "x.jpg", "--light", "0,0")
-    refuses("No such option", *render, "--lamp", "0,0")
+    check_refused("give either --light", *render)
+    check_refused("give either --light", *render, "--light", "1,2", "--environment", "e.hdr")
+    check_refused("AZIMUTH,ELEVATION", *render, "--light", "left")
+    check_refused("elevation from -90 to 90", *render, "--light", "0,91")
+    check_refused("elevation from -90 to 90", *render, "--light", "nan,0")
+    check_refused("e.hdr: does not exist", *render, "--environment", "e.hdr")
+    check_refused("bits must be 8 or 16", *render, "--light", "0,0", "--bits", 9)
+    check_refused("rows of shape must be 1 or more", *render, "--light", "0,0", "--size", 0)
+    check_refused("ends in .png", "render", ball, "--out", "x.jpg", "--light", "0,0")
+    check_refused("No such option", *render, "--lamp", "0,0")
 
 
-def test_basis_refuses_nonsense(ball, refuses):
-    refuses("degree must be 0 or more", "basis", ball, "--degree", -1, "--out", "b.npz")
-    refuses("no.ply: does not exist", "basis", "no.ply", "--out", "b.npz")
-    refuses("ends in .png", "basis", ball, "--out", "b.npz", "--figure", "b.pdf")
-    refuses("smaller picture", "basis", ball, "--size", 10**6, "--out", "b.npz")
+def test_basis_refuses_nonsense(ball, check_refused):
+    check_refused("degree must be 0 or more", "basis", ball, "--degree", -1, "--out", "b.npz")
+    check_refused("no.ply: does not exist", "basis", "no.ply", "--out", "b.npz")
+    check_refused("ends in .png", "basis", ball, "--out", "b.npz", "--figure", "b.pdf")
+    check_refused("smaller picture", "basis", ball, "--size", 10**6, "--out", "b.npz")
 
 
 def test_a_population_is_made_again_byte_for_byte(run, tmp_path):
@@ -153,15 +153,15 @@ def test_a_population_is_made_again_byte_for_byte(run, tmp_path):
     assert len(manifest["subjects"][0]["parameters"]) >= 40
 
 
-def test_folders_of_others_are_left_alone(refuses, tmp_path):
+def test_folders_of_others_are_left_alone(check_refused, tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("precious")
     (tmp_path / "file").write_text("")
-    refuses("holds other files", "synth", "faces", "--count", 1, "--out", "mine")
-    refuses("holds other files", "synth", "shapes", "--out", "mine")
-    refuses("cannot be used as a folder", "synth", "shapes", "--out", "file")
-    refuses("count must be 1 or more", "synth", "faces", "--count", 0, "--out", "new")
-    refuses("seed", "synth", "faces", "--count", 1, "--seed", -1, "--out", "new")
+    check_refused("holds other files", "synth", "faces", "--count", 1, "--out", "mine")
+    check_refused("holds other files", "synth", "shapes", "--out", "mine")
+    check_refused("cannot be used as a folder", "synth", "shapes", "--out", "file")
+    check_refused("count must be 1 or more", "synth", "faces", "--count", 0, "--out", "new")
+    check_refused("seed", "synth", "faces", "--count", 1, "--seed", -1, "--out", "new")
 
 
 def test_heads_on_one_sheet(run, tmp_path):

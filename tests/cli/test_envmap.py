@@ -107,21 +107,21 @@ def test_render_takes_every_kind_of_light(run, smooth, tmp_path):
     assert run("render", "shapes/sphere.ply", "--environment", "grace", *out, *common).code == 0
 
 
-def test_bad_input_is_refused(smooth, refuses, tmp_path):
+def test_bad_input_is_refused(smooth, check_refused, tmp_path):
     (tmp_path / "bad.json").write_text('{"coefficients": [[1, 2]]}')
     (tmp_path / "cut.hdr").write_bytes((tmp_path / smooth).read_bytes()[:300])
     project = ("envmap", "project")
-    refuses("no.hdr: does not exist", *project, "no.hdr")
-    refuses("cut.hdr: ", *project, "cut.hdr")
-    refuses("m.hdr: an angular map", *project, smooth, "--layout", "angular")
-    refuses("layout must be one of", *project, smooth, "--layout", "sphere")
-    refuses("frame of a latlong map", *project, smooth, "--frame", "debevec")
-    refuses("degree must be 0", *project, smooth, "--degree", -1)
+    check_refused("no.hdr: does not exist", *project, "no.hdr")
+    check_refused("cut.hdr: ", *project, "cut.hdr")
+    check_refused("m.hdr: an angular map", *project, smooth, "--layout", "angular")
+    check_refused("layout must be one of", *project, smooth, "--layout", "sphere")
+    check_refused("frame of a latlong map", *project, smooth, "--frame", "debevec")
+    check_refused("degree must be 0", *project, smooth, "--degree", -1)
     irradiance = ("envmap", "irradiance")
-    refuses("bad.json: holds no lighting", *irradiance, "bad.json", "--out", "e.hdr")
-    refuses("needs a map", *irradiance, "grace", "--compare", "--out", "e.hdr")
-    refuses("hann, lanczos", *irradiance, "grace", "--window", "flat", "--out", "e.hdr")
-    refuses("must end in", *irradiance, "grace", "--out", "e.jpg")
+    check_refused("bad.json: holds no lighting", *irradiance, "bad.json", "--out", "e.hdr")
+    check_refused("needs a map", *irradiance, "grace", "--compare", "--out", "e.hdr")
+    check_refused("hann, lanczos", *irradiance, "grace", "--window", "flat", "--out", "e.hdr")
+    check_refused("must end in", *irradiance, "grace", "--out", "e.jpg")
 
 
 def test_grey_maps_have_one_channel(run, tmp_path):

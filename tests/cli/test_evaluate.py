@@ -87,33 +87,33 @@ def test_a_folder_for_each_subject(run, photographs, tmp_path):
     assert "errors" in run(*common, "--gallery", "list.txt").out
 
 
-def test_bad_input_is_refused(run, yale, refuses, tmp_path):
+def test_bad_input_is_refused(run, yale, check_refused, tmp_path):
     evaluate = ("evaluate", yale)
     (tmp_path / "empty").mkdir()
     (tmp_path / "wrong.txt").write_text("nobody.png")
-    refuses("is not a folder", "evaluate", "nowhere")
-    refuses("fewer than two subjects", "evaluate", "empty")
-    refuses("method must be one of", *evaluate, "--methods", "magic")
-    refuses("HxW", *evaluate, "--size", "48")
-    refuses("whole number", *evaluate, "--gallery", "first:x")
-    refuses("leaves no probe", *evaluate, "--gallery", "first:64")
-    refuses("names nobody.png", *evaluate, "--gallery", "wrong.txt")
-    refuses("missing.txt: does not exist", *evaluate, "--gallery", "missing.txt")
+    check_refused("is not a folder", "evaluate", "nowhere")
+    check_refused("fewer than two subjects", "evaluate", "empty")
+    check_refused("method must be one of", *evaluate, "--methods", "magic")
+    check_refused("HxW", *evaluate, "--size", "48")
+    check_refused("whole number", *evaluate, "--gallery", "first:x")
+    check_refused("leaves no probe", *evaluate, "--gallery", "first:64")
+    check_refused("names nobody.png", *evaluate, "--gallery", "wrong.txt")
+    check_refused("missing.txt: does not exist", *evaluate, "--gallery", "missing.txt")
     spoilt = tmp_path / "yale" / "yaleB01" / "yaleB01_P00A+010E-20.pgm"
     spoilt.write_bytes(b"P5 nonsense")
-    refuses("yaleB01_P00A.010E-20.pgm: cannot be read", *evaluate)
+    check_refused("yaleB01_P00A.010E-20.pgm: cannot be read", *evaluate)
     outcome = run(*evaluate, "--skip-bad", "--methods", "correlation", "--json")
     assert outcome.code == 0
     assert json.loads(outcome.out)["skipped"] == 1
     assert "skipped" in outcome.err
     Image.fromarray(np.zeros((48, 42), np.uint8)).save(spoilt)
-    refuses("shows nothing", *evaluate)
+    check_refused("shows nothing", *evaluate)
     Image.fromarray(np.arange(100, dtype=np.uint8).reshape(10, 10)).save(spoilt)
-    refuses("has 10 x 10 pixels", *evaluate)
+    check_refused("has 10 x 10 pixels", *evaluate)
 
 
-def test_lights_are_needed_for_galleries_by_light(photographs, refuses, tmp_path):
+def test_lights_are_needed_for_galleries_by_light(photographs, check_refused, tmp_path):
     for name, stack in zip("ab", photographs, strict=False):
         (tmp_path / "people" / name).mkdir(parents=True)
         Image.fromarray(stack[0]).save(tmp_path / "people" / name / "1.png")
-    refuses("names that tell the light", "evaluate", "people", "--gallery", "ninepoints")
+    check_refused("names that tell the light", "evaluate", "people", "--gallery", "ninepoints")

@@ -64,12 +64,12 @@ def test_a_table_for_people(run, ball):
     assert "cumulative" in run("pca", ball, "--size", 32).out
 
 
-def test_nonsense_is_refused(ball, refuses):
-    refuses("uniform, front or cone:DEGREES", "pca", ball, "--light", "moon")
-    refuses("uniform, front or cone:DEGREES", "pca", ball, "--light", "cone:200")
-    refuses("uniform, front or cone:DEGREES", "pca", ball, "--light", "30")
-    refuses("mesh or constant", "pca", ball, "--albedo", "white")
-    refuses("at least 9 images", "pca", ball, "--empirical", 4)
-    refuses("degree must be 0 or more", "pca", ball, "--degree", -1)
-    refuses("none varies", "pca", ball, "--degree", 0)
-    refuses("does not exist", "pca", "nothing.npz")
+def test_nonsense_is_refused(ball, check_refused):
+    check_refused("uniform, front or cone:DEGREES", "pca", ball, "--light", "moon")
+    check_refused("uniform, front or cone:DEGREES", "pca", ball, "--light", "cone:200")
+    check_refused("uniform, front or cone:DEGREES", "pca", ball, "--light", "30")
+    check_refused("mesh or constant", "pca", ball, "--albedo", "white")
+    check_refused("at least 9 images", "pca", ball, "--empirical", 4)
+    check_refused("degree must be 0 or more", "pca", ball, "--degree", -1)
+    check_refused("none varies", "pca", ball, "--degree", 0)
+    check_refused("does not exist", "pca", "nothing.npz")

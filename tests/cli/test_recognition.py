@@ -52,6 +52,17 @@ def test_subjects_are_named_after_their_files(run, faces, tmp_path):
     assert read_gallery(tmp_path / "g.npz").subjects == ("face_002", "face_000")
 
 
+def test_cast_shadows_bring_the_subspace_nearer(run, gallery):
+    run("enroll", "faces", "--size", 48, "--cast-shadows", "--out", "shadows.npz")
+    run("render", "faces/face_002.ply", "--light", "60,30", "--size", 48, "--out", "p.png")
+    best = [
+        json.loads(run("recognize", file, "p.png", "--json").out)["results"][0]["ranking"][0]
+        for file in ("gallery.npz", "shadows.npz")
+    ]
+    assert [each["subject"] for each in best] == ["face_002", "face_002"]
+    assert best[1]["distance"] < best[0]["distance"]
+
+
 def test_encoded_and_eight_bit_photographs(run, gallery):
     run(
         *("render", "faces/face_001.ply", "--light", "20,30", "--size", 48),
@@ -63,7 +74,7 @@ def test_encoded_and_eight_bit_photographs(run, gallery):
     assert best["distance"] < 0.3
 
 
-def test_bad_input_is_refused(gallery, refuses, tmp_path, rng):
+def test_bad_input_is_refused(gallery, check_refused, tmp_path, rng):
     def picture(name, codes):
         Image.fromarray(codes).save(tmp_path / name)
         return name
@@ -71,32 +82,34 @@ def test_bad_input_is_refused(gallery, refuses, tmp_path, rng):
     noise = rng.integers(0, 256, (48, 48), dtype=np.uint8)
     good = picture("good.png", noise)
     recognize = ("recognize", "gallery.npz")
-    refuses("none.npz: does not exist", "recognize", "none.npz", good)
-    refuses("missing.png: does not exist", *recognize, "missing.png")
-    refuses("small.png: has 8 x 9 pixels.*resize", *recognize, picture("small.png", noise[:8, :9]))
-    refuses("black.png: is all black", *recognize, picture("black.png", noise * 0))
-    refuses("one of 3d, 4d, 9d", *recognize, good, "--method", "5d")
-    refuses("1 or more", *recognize, good, "--top", 0)
+    check_refused("none.npz: does not exist", "recognize", "none.npz", good)
+    check_refused("missing.png: does not exist", *recognize, "missing.png")
+    check_refused(
+        "small.png: has 8 x 9 pixels.*resize", *recognize, picture("small.png", noise[:8, :9])
+    )
+    check_refused("black.png: is all black", *recognize, picture("black.png", noise * 0))
+    check_refused("one of 3d, 4d, 9d", *recognize, good, "--method", "5d")
+    check_refused("1 or more", *recognize, good, "--top", 0)
     (tmp_path / "text.png").write_text("hello")
-    refuses("text.png: cannot be read as an image", *recognize, "text.png")
+    check_refused("text.png: cannot be read as an image", *recognize, "text.png")
     broken = bytearray((tmp_path / "gallery.npz").read_bytes())
     broken[1000] ^= 1
     (tmp_path / "broken.npz").write_bytes(broken)
-    refuses("broken.npz: is damaged", "recognize", "broken.npz", good)
-    refuses("text.png: is not a harmface gallery", "recognize", "text.png", good)
+    check_refused("broken.npz: is damaged", "recognize", "broken.npz", good)
+    check_refused("text.png: is not a harmface gallery", "recognize", "text.png", good)
 
 
-def test_bad_meshes_are_refused(faces, refuses, tmp_path):
+def test_bad_meshes_are_refused(faces, check_refused, tmp_path):
     (tmp_path / "empty.ply").write_bytes(b"")
     (tmp_path / "cut.ply").write_bytes((tmp_path / "faces" / "face_000.ply").read_bytes()[:5000])
     (tmp_path / "bare").mkdir()
     (tmp_path / "again").mkdir()
     (tmp_path / "again" / "face_000.obj").write_text("v 0 0 0")
     enroll = ("enroll", "--out", "g.npz")
-    refuses("no.ply: does not exist", *enroll, "no.ply")
-    refuses("empty.ply: is empty", *enroll, "empty.ply")
-    refuses("cut.ply: promises .* elements", *enroll, "cut.ply")
-    refuses("bare: holds no mesh", *enroll, "bare")
-    refuses("second mesh of subject 'face_000'", *enroll, "faces", "again")
-    refuses("size must be 1 or more", *enroll, "faces", "--size", 0)
-    refuses("nowhere.*cannot be written", "enroll", "faces", "--out", "nowhere/g.npz")
+    check_refused("no.ply: does not exist", *enroll, "no.ply")
+    check_refused("empty.ply: is empty", *enroll, "empty.ply")
+    check_refused("cut.ply: promises .* elements", *enroll, "cut.ply")
+    check_refused("bare: holds no mesh", *enroll, "bare")
+    check_refused("second mesh of subject 'face_000'", *enroll, "faces", "again")
+    check_refused("size must be 1 or more", *enroll, "faces", "--size", 0)
+    check_refused("nowhere.*cannot be written", "enroll", "faces", "--out", "nowhere/g.npz")

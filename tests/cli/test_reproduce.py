@@ -25,6 +25,6 @@ def test_a_failing_claim_is_shown_failing(run, monkeypatch, tmp_path):
     assert "FAILS" in (tmp_path / "r" / "report.html").read_text()
 
 
-def test_unknown_claims_are_refused(refuses):
-    refuses("no claim is called 'nothing'; there are", "reproduce", "--only", "nothing")
-    refuses("name claims after --only", "reproduce", "worst-pixel-error")
+def test_unknown_claims_are_refused(check_refused):
+    check_refused("no claim is called 'nothing'; there are", "reproduce", "--only", "nothing")
+    check_refused("name claims after --only", "reproduce", "worst-pixel-error")

@@ -59,7 +59,7 @@ def test_unknown_light_recovers_a_surface(run, capture, tmp_path):
 
 
 @pytest.mark.usefixtures("unchecked")
-def test_bad_input_is_refused(capture, refuses, tmp_path):
+def test_bad_input_is_refused(capture, check_refused, tmp_path):
     stereo = ("stereo", "ball", "--out", "surface")
     files = sorted(capture.glob("0*.png"))
     (tmp_path / "short.txt").write_text("0 0 1\n")
@@ -69,17 +69,19 @@ def test_bad_input_is_refused(capture, refuses, tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("precious")
     known = ("--method", "known-lights")
-    refuses("method must be one of", *stereo, "--method", "magic")
-    refuses("linear or srgb", *stereo, "--gamma", "2.2")
-    refuses("needs --lights", "stereo", *files, "--out", "s", *known)
-    refuses("1 lines of 3 numbers, but 24", *stereo, *known, "--lights", "short.txt")
-    refuses("not a table of numbers", *stereo, *known, "--lights", "text.txt")
-    refuses("images", "stereo", *files[:3], "--method", "4d", "--out", "s")
-    refuses("holds no photographs", "stereo", "mine", "--out", "s")
-    refuses("nothing.png: does not exist", "stereo", "nothing.png", "--out", "s")
-    refuses("mask", "stereo", *files, "--mask", "small.png", "--out", "s")
-    refuses("holds other files", "stereo", *files, *known, "--lights", directions, "--out", "mine")
+    check_refused("method must be one of", *stereo, "--method", "magic")
+    check_refused("linear or srgb", *stereo, "--gamma", "2.2")
+    check_refused("needs --lights", "stereo", *files, "--out", "s", *known)
+    check_refused("1 lines of 3 numbers, but 24", *stereo, *known, "--lights", "short.txt")
+    check_refused("not a table of numbers", *stereo, *known, "--lights", "text.txt")
+    check_refused("images", "stereo", *files[:3], "--method", "4d", "--out", "s")
+    check_refused("holds no photographs", "stereo", "mine", "--out", "s")
+    check_refused("nothing.png: does not exist", "stereo", "nothing.png", "--out", "s")
+    check_refused("mask", "stereo", *files, "--mask", "small.png", "--out", "s")
+    check_refused(
+        "holds other files", "stereo", *files, *known, "--lights", directions, "--out", "mine"
+    )
     (capture / "Normal_gt.mat").write_bytes(b"MATLAB")
-    refuses("Normal_gt", *stereo)
+    check_refused("Normal_gt", *stereo)
     (capture / "filenames.txt").write_text("../secret.png")
-    refuses("plain file names", *stereo)
+    check_refused("plain file names", *stereo)
