@@ -5,13 +5,15 @@ that was killed redoes only the subjects without one. The manifest comes last.
 """
 
 import json
+import os
 import shutil
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -176,7 +178,8 @@ def _rendered(
             yield number
         return
     # Spawned processes share no state with this one, whatever threads it runs.
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    context = get_context("spawn")
+    with ProcessPoolExecutor(workers, context, _exit_with_parent) as pool:
         jobs = {
             pool.submit(render_subject, folder / names[number], request, number): number
             for number in missing
@@ -188,6 +191,21 @@ def _rendered(
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _exit_with_parent() -> None:
+    """Let a worker end as soon as the process that started it is gone, however it went.
+
+    Otherwise workers of a killed run would go on writing where the next run writes too.
+    """
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
 
 
 def render_subject(folder: Path, request: Request, number: int) -> None:

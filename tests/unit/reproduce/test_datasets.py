@@ -49,11 +49,16 @@ def test_the_manifest_tells_every_light(made):
     assert record["images"][0]["exposure"] > 0
 
 
-def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(made, tmp_path):
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(made, tmp_path, workers):
     folder = tmp_path / "set"
-    code = (
-        "from pathlib import Path; from harmface.reproduce.datasets import *;"
-        f"make_dataset(Path({str(folder)!r}), {SMALL!r}, workers=1)"
+    call = f"make_dataset(Path({str(folder)!r}), {SMALL!r}, workers={workers})"
+    code = "\n".join(
+        [
+            "from pathlib import Path",
+            "from harmface.reproduce.datasets import *",
+            f"if __name__ == '__main__': {call}",
+        ]
     )
     process = subprocess.Popen([sys.executable, "-c", code])
     deadline = time.monotonic() + 60
