@@ -31,6 +31,10 @@ OUTLINE_PRICE = 3.0
 """Most that a pixel on an outline may cost the cues if the outline is to be believed: about 1 on
 true outlines, 4 and more on the borders of reliefs."""
 
+WORSE = 0.05
+"""Rise of the cues' cost, for each pixel, beyond which a refinement is not believed: sound ones
+change it by -0.12 to 0.01, one led astray by highlights raised it by 0.25."""
+
 WEAK = 1e-3
 """Share of the first singular value below which a ninth dimension is of no use."""
 
@@ -79,8 +83,18 @@ def recover(
     structure = found.light.T @ stack.values
     model: LightModel = HarmonicLight(order)
     converged = None
-    if refine:
-        fit = refined(coarse.values, coarse.mask, b, known, rng=rng)
+    fit = refined(coarse.values, coarse.mask, b, known, rng=rng) if refine else None
+    if fit is not None:
+        turned = mapped(fit.transformation, structure_of(fit.model, fit.structure[-3:].T))
+        rise = cue_cost(turned, coarse.mask, known) - cue_cost(b, coarse.mask, known)
+        if rise > WORSE * len(b):
+            fit = None
+            warnings.append(
+                "refinement was set aside: its surface contradicts integrability, outline or "
+                "albedo more than the unrefined one; highlights or other light than points and a "
+                "uniform part may be the reason"
+            )
+    if fit is not None:
         model, light, converged = fit.model, fit.light, fit.converged
         seen, rows, weights = fit.structure, fit.transformation, fit.weights
         raw = seen[-3:].T
@@ -102,15 +116,21 @@ def recover(
     expected = np.minimum(np.hypot(noise, ambiguity_error(cues, rows, extended)), 90.0)
     b, convexity = _convex(b, stack.mask, known)
     return Recovered(
-        "refined" if refine else ("first order", "second order")[order - 1],
+        "refined" if fit is not None else ("first order", "second order")[order - 1],
         b / np.linalg.norm(b, axis=1).max(),
         expected,
         convexity,
         signature_held=first.cone.signature_held,
-        light_model=_name_of(model) if refine else None,
+        light_model=_name_of(model) if fit is not None else None,
         converged=converged,
         warnings=tuple(warnings),
     )
+
+
+def cue_cost(b: Float[np.ndarray, "c 3"], mask: Bool[np.ndarray, "H W"], known: Knowledge) -> float:
+    """Return how much scaled normals, as they are, contradict what is known of surfaces."""
+    scaled = b / np.linalg.norm(b, axis=1).max()
+    return Cues(np.ascontiguousarray(scaled.T), mask, known).cost(np.eye(3))
 
 
 def _first_order(

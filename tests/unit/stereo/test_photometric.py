@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from harmface.stereo import (
     angular_errors,
     image_stack,
     photometric_stereo,
+    refine,
     without_convexity,
 )
 from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
@@ -133,3 +136,21 @@ def test_blocks_are_means_and_spread_back(rng):
     rows = rng.standard_normal((2, 5))
     spread = spread_over((rows @ coarse.values).T, coarse.values, stack.values)
     assert np.allclose(spread, (rows @ stack.values).T)
+
+
+def test_a_refinement_led_astray_is_set_aside(ball, photographs, monkeypatch):
+    from harmface.stereo import unknown_light
+
+    def astray(values, mask, b, known, *, rng):
+        found = refine(values, mask, b, known, rng=rng)
+        # A shear of all normals: the images stay explained, the surface does not exist.
+        shear = np.eye(3)
+        shear[0, 1] = 1.5
+        return replace(found, transformation=shear @ found.transformation)
+
+    monkeypatch.setattr(unknown_light, "refined", astray)
+    result = photometric_stereo(photographs, ball.mask)
+    assert result.report.method == "second order"
+    assert result.report.light_model is None
+    assert any("set aside" in warning for warning in result.report.warnings)
+    assert error(result, ball) < 6
