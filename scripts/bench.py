@@ -11,6 +11,7 @@ os.environ.pop("OPENBLAS_CORETYPE", None)
 import importlib.util
 import tempfile
 import time
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 
@@ -44,6 +45,15 @@ def best(*calls: Callable[[], object]) -> list[float]:
             call()
             row[column] = time.perf_counter() - start
     return list(times.min(axis=0))
+
+
+def peak(call: Callable[[], object]) -> int:
+    """Return the most bytes that a call holds at a time."""
+    tracemalloc.start()
+    call()
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return most
 
 
 def harmonics() -> list[tuple[str, float, str]]:
@@ -157,6 +167,8 @@ def maps() -> list[tuple[str, float, str]]:
         ("cube 6 x 256^2, plain numpy / ours", by_numpy / faces, "at least 10"),
         ("256 x 512 irradiance map, brute force / ours", brute / nine, "at least 1000"),
     ]
+    megabytes = max(peak(lambda m=m: project(m, 20)) for m in (latlong, cube)) / 2**20  # type: ignore[misc]
+    rows.append(("MB beside the map, degree 20, lat-long or cube", megabytes, "at most 64"))
     for name, peer in sht_peers(latlong).items():
         theirs = best(peer)[0] if peer else np.nan
         rows.append((f"degree 2 / {name}", two / theirs, "below 1" if peer else "not installed"))

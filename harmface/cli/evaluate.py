@@ -9,7 +9,7 @@ import numpy as np
 import typer
 from rich.table import Table
 
-from harmface.cli.common import JsonOption, errors, output, progress
+from harmface.cli.common import JsonOption, errors, output
 from harmface.errors import ArgumentError, FileError
 
 BEST = "local"
@@ -57,7 +57,7 @@ def evaluate(
 
     shape = _size(size)
     unread: list[FileError] = []
-    with progress("reading"):
+    with errors.status("reading"):
         kept, images = read_photographs(
             find_photographs(folder),
             srgb=srgb,

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
+from rich.table import Column, Table
 
 from harmface.cli.common import JsonOption, errors, output
 
@@ -41,7 +41,8 @@ def reproduce(
     if as_json:
         typer.echo((out / "results.json").read_text(), nl=False)
     else:
-        table = Table("claim", "published", "measured", "verdict", "s")
+        # Names are what --only takes, so they are never cut short.
+        table = Table(Column("claim", no_wrap=True), "published", "measured", "verdict", "s")
         colors = {"holds": "green", "reached": "green", "FAILS": "bold red"}
         for result in results:
             color = colors.get(result.verdict, "yellow")

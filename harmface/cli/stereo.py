@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from harmface.cli.common import output, progress
+from harmface.cli.common import errors, output
 from harmface.errors import ArgumentError
 
 METHODS = ("4d", "9d", "refined", "known-lights")
@@ -73,7 +73,7 @@ def stereo(
         raise ArgumentError(
             "--method known-lights needs --lights, or photographs whose names or folder tell them"
         )
-    with progress("solving"):
+    with errors.status("solving"):
         found = photometric_stereo(
             capture.images,
             object_mask,

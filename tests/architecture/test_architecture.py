@@ -1,8 +1,10 @@
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import harmface
@@ -55,6 +57,29 @@ def test_the_layers_hold():
     from importlinter.cli import lint_imports
 
     assert lint_imports(config_filename=str(ROOT / "pyproject.toml"), no_cache=True) == 0
+
+
+def test_the_readme_does_what_it_shows(tmp_path):
+    from data_synth.faces import head
+    from data_synth.lightings import mixed
+    from harmface.io import write_ply
+    from harmface.reproduce.synthetic import mesh_of, probe_images
+
+    meshes = [mesh_of(head(seed, n_vertices=5000)) for seed in (1, 2)]
+    write_ply(tmp_path / "head.ply", meshes[0])
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    first, second = blocks
+    names = {"ann_mesh": meshes[0], "bob_mesh": meshes[1]}
+    exec(first.replace("head.glb", str(tmp_path / "head.ply")), names)
+    assert names["image"].shape == (256, 256)
+    assert names["image"].max() > 0
+    rng = np.random.default_rng(0)
+    names["photographs"] = probe_images(meshes[1], mixed(2, rng), 64, rng)
+    exec(second, names)
+    assert list(names["classifier"].predict(names["photographs"][:, names["gallery"].mask])) == [
+        "bob",
+        "bob",
+    ]
 
 
 def test_the_readme_and_ci_run_the_same_test_command():
