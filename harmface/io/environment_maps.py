@@ -85,7 +85,7 @@ def file_layout(layout: str, frame: str | None = None) -> Layout:
     """Return where the pixels of a map file look.
 
     An angular map without another frame is taken, and made, as RH01's program takes one, each
-    pixel at its upper left corner: only so do Debevec's probes give the published tables.
+    pixel at its upper left corner: the published tables were computed by that program.
 
     Parameters
     ----------
