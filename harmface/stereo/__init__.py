@@ -11,6 +11,7 @@ from harmface.stereo.evaluation import (
 )
 from harmface.stereo.factorization import Factorization, factorize
 from harmface.stereo.first_order import FirstOrder, first_order
+from harmface.stereo.handedness import seems_upside_down
 from harmface.stereo.hayakawa import point_source_structure
 from harmface.stereo.known_lights import normals_from_coefficients, normals_from_directions
 from harmface.stereo.lorentz import NullCone, fit_null_cone, lorentz_deviation
@@ -45,6 +46,7 @@ __all__ = [
     "point_source_structure",
     "refine",
     "second_order",
+    "seems_upside_down",
     "summary",
     "without_convexity",
     "without_linear_map",

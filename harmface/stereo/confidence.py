@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from harmface.stereo.cues import Cues
+from harmface.stereo.factorization import chunks
 from harmface.stereo.gauge import Rows, curvature, shifted
 from harmface.stereo.light_models import LightModel
 
@@ -34,6 +35,19 @@ def noise_error(
     the normal's is `P C P / |b|^2`, P the projection across b; its trace is the square of the
     angle.
     """
+    found = np.empty(len(b))
+    for some in chunks(len(b), 8 * len(values)):
+        found[some] = _noise_error(values[:, some], model, light, b[some], weights[:, some])
+    return found
+
+
+def _noise_error(
+    values: Float[np.ndarray, "F p"],
+    model: LightModel,
+    light: Float[np.ndarray, "F q"],
+    b: Float[np.ndarray, "p 3"],
+    weights: Float[np.ndarray, "F p"],
+) -> Float[np.ndarray, "p"]:
     slope = model.by_normal(light, b).swapaxes(0, 1)
     normal = (weights.T[..., None] * slope).swapaxes(1, 2) @ slope
     residual = values - model.predict(light, b)
@@ -41,10 +55,14 @@ def noise_error(
     variance = (weights * residual**2).sum(axis=0) / freedom
     floor = 1e-9 * np.einsum("pii->", normal) / len(normal) + np.finfo(np.float64).tiny
     covariance = np.linalg.inv(normal + floor * np.eye(3)) * variance[:, None, None]
-    squared = np.maximum((b**2).sum(axis=1), np.finfo(np.float64).tiny)
+    squared = (b**2).sum(axis=1)
+    # Of a pixel without light nothing is known.
+    seen = squared > np.finfo(np.float64).eps * squared.max(initial=0)
+    squared = np.where(seen, squared, 1.0)
     along = np.einsum("pi,pij,pj->p", b, covariance, b) / squared
     across = np.einsum("pii->p", covariance) - along
-    return np.degrees(np.sqrt(np.maximum(across, 0) / squared))
+    angle = np.degrees(np.sqrt(np.maximum(across, 0) / squared))
+    return np.where(seen, np.minimum(angle, 90.0), 90.0)
 
 
 def ambiguity_error(

@@ -17,6 +17,11 @@ from harmface.stereo.cells import Cells, cells_of
 from harmface.stereo.homogeneous import scaled_normal_images
 from harmface.stereo.lorentz import METRIC
 
+TINY = float(np.finfo(np.float64).tiny)
+
+BATCH = 32
+"""Candidates judged at a time: 30 arrays of 1000 cells each stay in the cache."""
+
 MOST_CELLS = 1000
 """Cells that the search looks at: they fix a dozen numbers many times over."""
 
@@ -36,6 +41,10 @@ LORENTZ = 0.1
 """Departure of first-order rows from a Lorentz transformation that light of degree 2 may cause."""
 
 LORENTZ_SAY = 10.0
+"""Weight of each of its six numbers; the same for rotations, which uniform light tells apart."""
+
+USUAL_UNIFORM = 0.1
+"""Share of uniform light that is enough to tell."""
 
 LIGHT_SAY = 1500.0
 """Weight of all light strengths together, against about a thousand cells."""
@@ -47,6 +56,9 @@ UNEXPLAINED = 0.03
 """Share of a pixel's values that light beyond degree 2 may leave unexplained."""
 
 EXPLAIN_SAY = 3.0
+
+USUAL_SPREAD = 0.4
+"""Standard deviation of a normal's components over an object."""
 
 RIM_SLANT = 0.95
 """Least outward component of a normal on an occluding outline, seen half a pixel inside it."""
@@ -140,6 +152,8 @@ class Cues:
     lights
         One point source an image, when their strengths are thought nearly equal: light rows in
         the basis of v, so that the sources are `lights T^-1`.
+    uniform
+        Share of uniform light in the images. It shows `a |b|`, which only rotations keep.
     """
 
     def __init__(
@@ -149,6 +163,7 @@ class Cues:
         knowledge: Knowledge = NOTHING,
         *,
         lights: Float[np.ndarray, "F d"] | None = None,
+        uniform: float = 0.0,
         explain: bool = False,
     ) -> None:
         # Albedo is divided out, so that its edges do not pass for slopes; all pixels count alike.
@@ -161,6 +176,7 @@ class Cues:
         self._grain = np.stack([cells.along_x(log)[:, 0], cells.along_y(log)[:, 0]])
         self._coarse = 0.1 * float(np.median(np.abs(self._grain))) + 1e-6
         self._lights = lights
+        self._isometry_say = LORENTZ_SAY * min(1.0, uniform / USUAL_UNIFORM)
         outline, known, mirrored = knowledge.outline, knowledge.normals, knowledge.mirrored
         self._outline = None if outline is None else (v[outline.pixels], outline.outward)
         self._known = None if known is None else (v[known.pixels], known.normals)
@@ -176,23 +192,31 @@ class Cues:
 
     def cost(self, rows: Float[np.ndarray, "3 d"]) -> float:
         """Return the cost of T: lower is better, differences of a few units count."""
-        residual, weight = self.residuals(rows)
-        return float(weight @ np.log1p(residual**2)) / 2
+        return float(self.costs(rows[None])[0])
+
+    def costs(self, rows: Float[np.ndarray, "m 3 d"]) -> Float[np.ndarray, "m"]:
+        """Return the cost of each of many T."""
+        found = []
+        for first in range(0, len(rows), BATCH):
+            residual, weight = self.residuals(rows[first : first + BATCH])
+            found.append(np.log1p(residual**2) @ weight / 2)
+        return np.concatenate(found)
 
     def residuals(
-        self, rows: Float[np.ndarray, "3 d"]
-    ) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:
-        """Return the residuals of all cues over their floors, and their weights."""
-        b, dx, dy = self._middle @ rows.T, self._dx @ rows.T, self._dy @ rows.T
-        squared = (b**2).sum(axis=1) + np.finfo(np.float64).tiny
-        x, y, z = b.T
+        self, rows: Float[np.ndarray, "m 3 d"]
+    ) -> tuple[Float[np.ndarray, "m r"], Float[np.ndarray, "r"]]:
+        """Return the residuals of all cues over their floors for each T, and their weights."""
+        turned = rows.swapaxes(1, 2)
+        b, dx, dy = self._middle @ turned, self._dx @ turned, self._dy @ turned
+        squared = (b**2).sum(axis=-1) + TINY
+        (x, y, z), (xdx, ydx, zdx), (xdy, ydy, zdy) = (np.moveaxis(f, -1, 0) for f in (b, dx, dy))
         # b x db holds b_z^2 times the derivatives of the slopes; integrable ones are symmetric,
         # and the share of the antisymmetric part does not change under bas-relief.
-        xx, xy = y * dx[:, 2] - z * dx[:, 1], z * dx[:, 0] - x * dx[:, 2]
-        yx, yy = y * dy[:, 2] - z * dy[:, 1], z * dy[:, 0] - x * dy[:, 2]
-        bend = np.sqrt(xx**2 + xy**2 + yx**2 + yy**2) + np.finfo(np.float64).tiny
-        gx = self._grain[0] + (b * dx).sum(axis=1) / squared
-        gy = self._grain[1] + (b * dy).sum(axis=1) / squared
+        xx, xy = y * zdx - z * ydx, z * xdx - x * zdx
+        yx, yy = y * zdy - z * ydy, z * xdy - x * zdy
+        bend = np.sqrt(xx**2 + xy**2 + yx**2 + yy**2) + TINY
+        gx = self._grain[0] + (b * dx).sum(axis=-1) / squared
+        gy = self._grain[1] + (b * dy).sum(axis=-1) / squared
         parts = [
             ((xx + yy) / bend / TWIST, 1.0),
             (gx / self._coarse, GRAIN_SAY),
@@ -200,36 +224,48 @@ class Cues:
             (np.minimum(z / np.sqrt(squared), 0) / FLOOR, 1.0),
         ]
         if len(self._middle.T) == 4:
-            products = -rows @ METRIC @ rows.T
-            scale = np.abs(np.trace(products)) / 3 + np.finfo(np.float64).tiny
-            apart = (products / scale - np.eye(3))[np.triu_indices(3)]
-            parts.append((apart / LORENTZ, LORENTZ_SAY))
+            parts.append((_anisotropy(-rows @ METRIC @ turned) / LORENTZ, LORENTZ_SAY))
+        if self._isometry_say > 0:
+            parts.append((_anisotropy(rows @ turned) / LORENTZ, self._isometry_say))
         if self._outline is not None:
             v, outward = self._outline
-            n = _unit(v @ rows.T)
-            along = n[:, 1] * outward[:, 0] - n[:, 0] * outward[:, 1]
-            short = np.maximum(RIM_SLANT - (n[:, :2] * outward).sum(axis=1), 0)
+            n = _unit(v @ turned)
+            along = n[..., 1] * outward[:, 0] - n[..., 0] * outward[:, 1]
+            short = np.maximum(RIM_SLANT - (n[..., :2] * outward).sum(axis=-1), 0)
             parts += [(along / FLOOR, 1.0), (short / FLOOR, 1.0)]
         if self._known is not None:
             v, normals = self._known
-            parts.append(((_unit(v @ rows.T) - normals).ravel() / FLOOR, KNOWN_SAY / len(normals)))
+            missed = (_unit(v @ turned) - normals).reshape(len(rows), -1)
+            parts.append((missed / FLOOR, KNOWN_SAY / len(normals)))
         if self._pairs is not None:
-            here, there = (side @ rows.T for side in self._pairs)
-            length = np.linalg.norm(here, axis=1, keepdims=True)
-            parts.append((((here - there * (-1, 1, 1)) / length).ravel() / FLOOR, 1 / 3))
+            # Unit vectors, since albedo need not be symmetric; each component against its own
+            # spread, so that none gains by vanishing everywhere.
+            here, there = (_unit(side @ turned) for side in self._pairs)
+            spread = here.std(axis=1, keepdims=True) + TINY
+            apart = ((here - there * (-1, 1, 1)) / spread).reshape(len(rows), -1)
+            parts.append((apart * USUAL_SPREAD / FLOOR, 1 / 3))
         if self._explained is not None:
             v = self._explained
-            images = scaled_normal_images(v @ rows.T, 2).T
-            missed = v - images @ np.linalg.lstsq(images, v, rcond=None)[0]
-            parts.append((np.linalg.norm(missed, axis=1) / UNEXPLAINED, EXPLAIN_SAY))
+            b = (v @ turned).reshape(-1, 3)
+            images = scaled_normal_images(b, 2).T.reshape(len(rows), len(v), -1)
+            basis = np.linalg.qr(images)[0]
+            missed = v - basis @ (basis.swapaxes(1, 2) @ v)
+            parts.append((np.linalg.norm(missed, axis=-1) / UNEXPLAINED, EXPLAIN_SAY))
         if self._lights is not None:
-            sources = np.linalg.lstsq(rows.T, self._lights.T, rcond=None)[0]
-            strength = np.log(np.linalg.norm(sources, axis=0) + np.finfo(np.float64).tiny)
-            say = LIGHT_SAY / len(strength)
-            parts.append(((strength - np.median(strength)) / FLOOR, say))
-        weights = [np.full(len(part), say) for part, say in parts]
-        return np.concatenate([part for part, _ in parts]), np.concatenate(weights)
+            sources = self._lights @ np.linalg.pinv(rows)
+            strength = np.log(np.linalg.norm(sources, axis=-1) + TINY)
+            say = LIGHT_SAY / strength.shape[1]
+            apart = strength - np.median(strength, axis=1, keepdims=True)
+            parts.append((apart / FLOOR, say))
+        weights = [np.full(part.shape[1], say) for part, say in parts]
+        return np.concatenate([part for part, _ in parts], axis=1), np.concatenate(weights)
 
 
-def _unit(b: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-    return b / (np.linalg.norm(b, axis=1, keepdims=True) + np.finfo(np.float64).tiny)
+def _anisotropy(products: Float[np.ndarray, "m 3 3"]) -> Float[np.ndarray, "m 6"]:
+    """Return how far symmetric matrices are from multiples of the identity."""
+    scale = np.abs(np.einsum("mii->m", products)) / 3 + TINY
+    return (products / scale[:, None, None] - np.eye(3))[:, *np.triu_indices(3)]
+
+
+def _unit(b: Float[np.ndarray, "m n 3"]) -> Float[np.ndarray, "m n 3"]:
+    return b / (np.linalg.norm(b, axis=-1, keepdims=True) + TINY)

@@ -14,10 +14,10 @@ from jaxtyping import Bool, Float
 from harmface import checks
 from harmface.stereo.cells import cells_of
 from harmface.stereo.cues import NOTHING, Cues, Knowledge
-from harmface.stereo.gauge import Rows, best_lorentz, best_of, shifted
+from harmface.stereo.gauge import best_lorentz, best_of, reliefs, shifted
 from harmface.stereo.inflation import inflated_normals
-from harmface.stereo.integrability import integrable_rows, lorentz_rows
-from harmface.stereo.lorentz import NullCone, fit_null_cone
+from harmface.stereo.integrability import integrable_rows, isometric_rows
+from harmface.stereo.lorentz import METRIC, NullCone, fit_null_cone
 
 EXACT = 1e-5
 """Residual of the null cone up to which light counts as of degree 1: higher degrees leave 1e-2."""
@@ -78,23 +78,12 @@ def first_order(
     cues = Cues(shown, mask, knowledge)
     direct = shown / shown[0]
     rows = integrable_rows(direct, cells_of(mask))
-    resolved = lorentz_rows(rows)
+    resolved = isometric_rows(rows, -METRIC)
     blown = np.linalg.lstsq(direct.T, inflated_normals(mask), rcond=None)[0].T
     starts = [] if resolved is None else [resolved, -resolved]
     lorentz = best_lorentz(cues, starts, rng)
     best = lorentz
     if cone.residual > EXACT:
-        best = best_of(cues, [lorentz, blown, *_reliefs(rows)], shifted, 12)
+        unit = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+        best = best_of(cues, [lorentz, blown, *reliefs(unit)], shifted, 12)
     return FirstOrder(cone, vectors, shown.T @ best.T, cues.cost(best))
-
-
-def _reliefs(rows: Rows) -> list[Rows]:
-    """Return bas-relief transformations of rows that are known up to one."""
-    rows = rows / np.linalg.norm(rows, axis=1, keepdims=True)
-    return [
-        sign * np.array([[1, 0, mu], [0, 1, nu], [0, 0, flatten]]) @ rows
-        for flatten in (0.4, 0.7, 1.0, 1.5, 2.5)
-        for mu in (-0.6, -0.3, 0.0, 0.3, 0.6)
-        for nu in (-0.6, -0.3, 0.0, 0.3, 0.6)
-        for sign in (-1, 1)
-    ]

@@ -27,13 +27,15 @@ TRIED = 300
 """Members tried at random: neighbours are about 25 degrees apart for rotations."""
 
 IMPROVED = 4
-"""Best members that are improved."""
+"""Best members of those tried that are improved."""
 
 RAPIDITY = 0.6
 """Spread of random boosts; 0.6 turns a normal across the boost by 33 degrees."""
 
 STEPS = 40
 DIFFERENCE = 1e-6
+
+CONCAVE = np.diag([-1.0, -1.0, 1.0])
 
 
 def boosted(rows: Rows, step: Float[np.ndarray, "6"]) -> Rows:
@@ -65,6 +67,24 @@ def best_lorentz(cues: Cues, starts: Iterable[Rows], rng: np.random.Generator | 
     return best_of(cues, [*starts, *tried], boosted, 6)
 
 
+def best_rotation(
+    cues: Cues, frame: Float[np.ndarray, "3 3"], rng: np.random.Generator | int
+) -> Rows:
+    """Return the map that fits the cues, of those that turn or mirror a frame.
+
+    Parameters
+    ----------
+    cues
+        Of structure of three dimensions.
+    frame
+        A map that is right but for a rotation or reflection.
+    rng
+        Draws the rotations tried.
+    """
+    turns = Rotation.random(TRIED, random_state=checks.generator(rng)).as_matrix()
+    return best_of(cues, [sign * turn @ frame for turn in turns for sign in (-1, 1)], shifted, 9)
+
+
 def best_linear(cues: Cues, starts: Iterable[Rows]) -> Rows:
     """Return the linear map of structure that fits the cues, near some starts.
 
@@ -73,23 +93,31 @@ def best_linear(cues: Cues, starts: Iterable[Rows]) -> Rows:
     cues
         Of structure of three dimensions, or four.
     starts
-        Maps to begin with; bas-relief transformations of each are tried as well.
+        Maps to begin with; bas-relief transformations of each, and of its concave counterpart,
+        are tried as well.
     """
-    tried = [
+    found = [
+        best_of(cues, reliefs(rows), shifted, rows.size)
+        for start in starts
+        for rows in (start, CONCAVE @ start)
+    ]
+    return min(found, key=cues.cost)
+
+
+def reliefs(rows: Rows) -> list[Rows]:
+    """Return bas-relief transformations of rows that are known up to one."""
+    return [
         sign * np.array([[1, 0, mu], [0, 1, nu], [0, 0, flatten]]) @ rows
-        for rows in starts
         for flatten in (0.4, 0.7, 1.0, 1.5, 2.5)
         for mu in (-0.6, -0.3, 0.0, 0.3, 0.6)
         for nu in (-0.6, -0.3, 0.0, 0.3, 0.6)
         for sign in (-1, 1)
     ]
-    return best_of(cues, tried, shifted, tried[0].size)
 
 
 def best_of(cues: Cues, tried: list[Rows], move: Move, parameters: int) -> Rows:
     """Return the best of the members tried, the most promising ones improved."""
-    costs = np.array([cues.cost(rows) for rows in tried])
-    best = np.argsort(costs, kind="stable")[:IMPROVED]
+    best = np.argsort(cues.costs(np.stack(tried)), kind="stable")[:IMPROVED]
     return min((improved(cues, tried[k], move, parameters) for k in best), key=cues.cost)
 
 
@@ -130,9 +158,9 @@ def curvature(cues: Cues, rows: Rows, move: Move, parameters: int) -> Float[np.n
 def _normal_equations(
     cues: Cues, rows: Rows, move: Move, parameters: int
 ) -> tuple[Float[np.ndarray, "g g"], Float[np.ndarray, "g"]]:
-    residual, say = cues.residuals(rows)
-    weight = say / (1 + residual**2)
     steps = DIFFERENCE * np.eye(parameters)
-    moved = np.stack([cues.residuals(move(rows, step))[0] for step in steps], axis=1)
-    slope = (moved - residual[:, None]) / DIFFERENCE
-    return (slope.T * weight) @ slope, slope.T @ (weight * residual)
+    moved, say = cues.residuals(np.stack([rows, *(move(rows, step) for step in steps)]))
+    residual = moved[0]
+    weight = say / (1 + residual**2)
+    slope = (moved[1:] - residual) / DIFFERENCE
+    return (slope * weight) @ slope.T, slope @ (weight * residual)

@@ -41,19 +41,28 @@ def point_source_structure(
     factors = factorize_robustly(values, 3, usable)
     if not equal_lights:
         return factors.structure.T
-    light = factors.light
-    if len(light) < 6:
+    if len(factors.light) < 6:
         raise ArgumentError(
-            f"images must number at least 6 for sources of equal strength, got {len(light)}"
+            f"images must number at least 6 for sources of equal strength, got {len(factors.light)}"
         )
-    i, j = np.triu_indices(3)
-    design = light[:, i] * light[:, j] * np.where(i == j, 1.0, 2.0)
-    solution, *_ = np.linalg.lstsq(design, np.ones(len(light)), rcond=None)
-    metric = np.empty((3, 3))
-    metric[i, j] = metric[j, i] = solution
-    if np.linalg.eigvalsh(metric)[0] <= 0:
+    metric = equal_strength_metric(factors.light)
+    if metric is None:
         raise ArgumentError(
             "images must come from point sources of equal strength, but no strength fits them; "
             "use general light, or say that the sources differ"
         )
     return np.linalg.solve(np.linalg.cholesky(metric), factors.structure).T
+
+
+def equal_strength_metric(light: Float[np.ndarray, "F 3"]) -> Float[np.ndarray, "3 3"] | None:
+    """Return the symmetric Q with `l Q l' = 1` for every source, or None if none has a root.
+
+    For the right map T of the structure, the sources `l T^-1` have length 1, so `T Q T' = 1`.
+    Fewer than six sources leave it open.
+    """
+    i, j = np.triu_indices(3)
+    design = light[:, i] * light[:, j] * np.where(i == j, 1.0, 2.0)
+    solution, *_ = np.linalg.lstsq(design, np.ones(len(light)), rcond=None)
+    metric = np.empty((3, 3))
+    metric[i, j] = metric[j, i] = solution
+    return metric if np.linalg.eigvalsh(metric)[0] > 0 else None

@@ -22,7 +22,6 @@ import numpy as np
 from jaxtyping import Float
 
 from harmface.stereo.cells import Cells
-from harmface.stereo.lorentz import METRIC
 
 ROUNDS = 8
 """Reweightings against discontinuities."""
@@ -64,25 +63,29 @@ def integrable_rows(structure: Float[np.ndarray, "d p"], cells: Cells) -> Float[
     return _rows_from_minors(_antisymmetric(zx), _antisymmetric(zy))
 
 
-def lorentz_rows(rows: Float[np.ndarray, "3 4"]) -> Float[np.ndarray, "3 4"] | None:
-    """Return the member of a bas-relief family of rows that a Lorentz transformation has.
+def isometric_rows(
+    rows: Float[np.ndarray, "3 d"], metric: Float[np.ndarray, "d d"]
+) -> Float[np.ndarray, "3 d"] | None:
+    """Return the member of a bas-relief family of rows with `T G T'` a multiple of the identity.
 
-    The rows of one are orthogonal in J and equally long, and that fixes the three numbers:
-    multiples of t_z are taken from t_x and t_y, and t_z is scaled to their length. Returns None
-    if the rows are not spacelike, as noise can make them.
+    The rows are orthogonal in G and equally long, and that fixes the three numbers: multiples of
+    t_z are taken from t_x and t_y, and t_z is scaled to their length. Returns None if G gives no
+    length to the rows, as noise can make it.
 
     Parameters
     ----------
     rows
-        From `integrable_rows` of null vectors.
+        From `integrable_rows`.
+    metric
+        G: minus `lorentz.METRIC` for null vectors.
     """
     x, y, z = rows
-    length = -z @ METRIC @ z
+    length = z @ metric @ z
     if length <= 0:
         return None
-    x = x + (x @ METRIC @ z) / length * z
-    y = y + (y @ METRIC @ z) / length * z
-    across = -(x @ METRIC @ x + y @ METRIC @ y) / 2
+    x = x - (x @ metric @ z) / length * z
+    y = y - (y @ metric @ z) / length * z
+    across = (x @ metric @ x + y @ metric @ y) / 2
     if across <= 0:
         return None
     return np.stack([x, y, z * np.sqrt(across / length)])

@@ -15,7 +15,7 @@ from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
 from harmface.stereo.light_models import HarmonicLight, LightModel
 from harmface.stereo.per_pixel import fit_normals
-from harmface.stereo.robust import NORMAL_MAD, cauchy_weights
+from harmface.stereo.robust import point_source_weights
 from harmface.stereo.robust_factorization import weighted_solve
 
 ROUNDS = 20
@@ -32,8 +32,8 @@ def normals_from_directions(
     """Return scaled normals b = albedo n under known directional light ([W80]_).
 
     Without attached shadow an image is `I = b . l`, three unknowns a pixel. `robust` weighs the
-    observations of each pixel by Cauchy's loss about a scale of its own, so that shadows and
-    highlights lose their say.
+    observations of each pixel against the noise of all, see `point_source_weights`, so that
+    shadows and highlights lose their say.
 
     Parameters
     ----------
@@ -64,8 +64,7 @@ def normals_from_directions(
     if not robust:
         return b.T
     for _ in range(ROUNDS):
-        residual = values - lights @ b
-        weights = allowed * cauchy_weights(residual, _scales(residual, allowed > 0))
+        weights = point_source_weights(values, lights @ b, allowed > 0)
         b = weighted_solve(lights, weights, values)
     return b.T
 
@@ -103,17 +102,6 @@ def normals_from_coefficients(
         linear, *_ = np.linalg.lstsq(coefficients[:, :4], values, rcond=None)
         start = np.stack([linear[3], linear[1], linear[2]], axis=1)
     return fit_normals(values, model, coefficients, start)
-
-
-def _scales(
-    residual: Float[np.ndarray, "F p"], allowed: Bool[np.ndarray, "F p"]
-) -> Float[np.ndarray, "p"]:
-    """Return the robust scale of each pixel's residuals, those not allowed left out."""
-    ordered = np.sort(np.where(allowed, np.abs(residual), np.inf), axis=0)
-    middle = np.maximum(allowed.sum(axis=0) - 1, 0) // 2
-    median = np.take_along_axis(ordered, middle[None], axis=0)[0]
-    # A pixel without any observation has no residual to weigh.
-    return np.where(np.isfinite(median), NORMAL_MAD * median, 0.0)
 
 
 def require_light_for_each(name: str, lights: int, images: int) -> None:

@@ -162,3 +162,18 @@ class DenseLight:
         slope = np.stack([(light[:, :-1] * axis) @ lit for axis in self.directions.T], axis=-1)
         length = np.maximum(np.linalg.norm(b, axis=1, keepdims=True), np.finfo(b.dtype).tiny)
         return slope + light[:, -1:, None] * (b / length)
+
+
+def is_single(model: LightModel) -> bool:
+    """Return whether light comes from one point in each image, and nowhere else."""
+    return isinstance(model, PointLights) and model.count == 1 and not model.ambient
+
+
+def uniform_share(model: LightModel, light: Float[np.ndarray, "F q"]) -> float:
+    """Return the share of uniform light in the mean irradiance of points and uniform light."""
+    if not (isinstance(model, PointLights) and model.ambient):
+        return 0.0
+    # A point gives a quarter of its irradiance on average over all normals.
+    points = np.linalg.norm(model.points(light), axis=2).sum(axis=1) / 4
+    uniform = np.maximum(light[:, -1], 0)
+    return float(uniform.sum() / max((points + uniform).sum(), np.finfo(np.float64).tiny))

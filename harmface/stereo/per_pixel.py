@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from harmface.stereo.factorization import chunks
 from harmface.stereo.light_models import LightModel
+from harmface.stereo.robust import cauchy_weights, robust_scale
 
 STEPS = 15
 """Steps of each pixel: three unknowns and a good start need about five."""
@@ -47,6 +48,22 @@ def fit_normals(
         part = None if weights is None else weights[:, some]
         b[some] = _fit(values[:, some], model, light, b[some], part, steps)
     return b
+
+
+def fit_robustly(
+    values: Float[np.ndarray, "F p"],
+    model: LightModel,
+    light: Float[np.ndarray, "F q"],
+    start: Float[np.ndarray, "p 3"],
+) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
+    """Return scaled normals fitted with Cauchy weights about a first fit, and the weights.
+
+    Arguments as in `fit_normals`.
+    """
+    b = fit_normals(values, model, light, start)
+    residual = values - model.predict(light, b)
+    weights = cauchy_weights(residual, robust_scale(residual))
+    return fit_normals(values, model, light, b, weights=weights), weights
 
 
 def pixel_energy(

@@ -7,6 +7,7 @@ References
 .. [R05] Ramamoorthi, Modeling Illumination Variation with Spherical Harmonics, 2005, 0.4.2.
 """
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -46,6 +47,7 @@ def photometric_stereo(
     robust: bool = False,
     saturated: float = np.inf,
     rng: np.random.Generator | int = 0,
+    progress: Callable[[float], None] = lambda done: None,
 ) -> StereoResult:
     """Return normals, albedo and light from photographs of a still, diffuse object.
 
@@ -78,6 +80,8 @@ def photometric_stereo(
         Value from which an observation is saturated.
     rng
         Draws starting points and pixels.
+    progress
+        Called now and then with the share of the work that is done.
 
     Raises
     ------
@@ -101,8 +105,11 @@ def photometric_stereo(
             normals=_known_normals(normals_known, stack.mask),
             symmetric=symmetric,
             rng=rng,
+            progress=progress,
         )
-    return _result(stack, found)
+    result = _result(stack, found)
+    progress(1.0)
+    return result
 
 
 def _under_known_light(

@@ -12,11 +12,15 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from harmface.stereo.factorization import factorize
-from harmface.stereo.robust import cauchy_weights, robust_scale
+from harmface.stereo.robust import point_source_weights
 
-ITERATIONS = 30
-TOLERANCE = 1e-4
-"""Relative fall of the energy at which the iteration has settled."""
+ROUNDS = 30
+"""Times that observations are weighed anew; weights settle in ten, and
+missing observations in thirty."""
+
+
+COOLING = 0.7
+"""Fall of the least scale with each round: strict at once, weights would lock in a poor start."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +43,10 @@ class RobustFactorization:
 def factorize_robustly(
     values: Float[np.ndarray, "F p"], rank: int, usable: Bool[np.ndarray, "F p"] | None = None
 ) -> RobustFactorization:
-    """Return `L S` that minimises a sum of Cauchy losses of M - L S ([HW77]_).
+    """Return `L S` that highlights and shadows do not bend ([HW77]_).
 
-    Each pass weighs every observation by `1 / (1 + (r / c s)^2)`, r its residual and s a robust
-    scale of all of them, and solves the weighted least squares for S and then for L: each is a
+    Each round weighs every observation by its residual over a robust scale of all of them, see
+    `point_source_weights`, and solves the weighted least squares for S and then for L: each is a
     small system a pixel or an image. Observations that are not usable have no weight at all.
 
     Parameters
@@ -54,24 +58,17 @@ def factorize_robustly(
     usable
         Observations that may count; all if not given.
     """
+    lit = np.ones(values.shape, bool) if usable is None else usable
     start = factorize(values, rank)
     light, structure = start.light, start.structure
-    allowed = np.ones(values.shape) if usable is None else usable.astype(np.float64)
-    energy = np.inf
-    for _ in range(ITERATIONS):
-        residual = values - light @ structure
-        scale = robust_scale(residual[allowed > 0])
-        if scale == 0:
-            break
-        weights = allowed * cauchy_weights(residual, scale)
+    weights = lit.astype(np.float64)
+    least = float(np.std((values - light @ structure)[lit]))
+    for _ in range(ROUNDS):
+        weights = point_source_weights(values, light @ structure, lit, least=least)
+        least *= COOLING
         structure = weighted_solve(light, weights, values)
         light = weighted_solve(structure.T, weights.T, values.T).T
-        before, energy = energy, float((weights * (values - light @ structure) ** 2).sum())
-        if before - energy <= TOLERANCE * before < np.inf:
-            break
-    residual = values - light @ structure
-    scale = robust_scale(residual[allowed > 0])
-    return RobustFactorization(light, structure, allowed * cauchy_weights(residual, scale))
+    return RobustFactorization(light, structure, weights)
 
 
 def weighted_solve(

@@ -6,6 +6,7 @@ References
    IJCV 2007.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -15,17 +16,19 @@ from scipy.ndimage import binary_erosion
 from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
 from harmface.stereo.confidence import ambiguity_error, noise_error
 from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
-from harmface.stereo.factorization import factorize
+from harmface.stereo.factorization import factorize, interleaved
 from harmface.stereo.first_order import FirstOrder, first_order
 from harmface.stereo.homogeneous import scaled_normal_images
-from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
-from harmface.stereo.per_pixel import fit_normals
+from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights, is_single
+from harmface.stereo.per_pixel import fit_robustly
 from harmface.stereo.refinement import mapped, structure_of
 from harmface.stereo.refinement import refine as refined
 from harmface.stereo.result import Recovered
-from harmface.stereo.robust import cauchy_weights, robust_scale
 from harmface.stereo.second_order import second_order
+from harmface.stereo.single_sources import refitted
 from harmface.stereo.stack import ImageStack
+
+Progress = Callable[[float], None]
 
 OUTLINE_PRICE = 3.0
 """Most that a pixel on an outline may cost the cues if the outline is to be believed: about 1 on
@@ -48,6 +51,7 @@ def recover(
     normals: KnownNormals | None,
     symmetric: bool,
     rng: np.random.Generator,
+    progress: Progress,
 ) -> Recovered:
     """Return the structure by the method of an order ([BJK07]_), refined or not.
 
@@ -63,12 +67,15 @@ def recover(
         Normals measured at some pixels.
     rng
         Draws starting points and pixels.
+    progress
+        Called with the share of the work that is done.
     """
     factor = 1 if normals is not None else coarse_factor(stack.mask)
     coarse = coarse_stack(stack, factor)
     known = Knowledge(None, normals, mirror_index(coarse.mask) if symmetric else None)
     found = factorize(coarse.values, (4, 9)[order - 1])
     first, known = _first_order(found.structure[:4], coarse.mask, outline, known, rng)
+    progress(0.1)
     b = first.b
     warnings = []
     if not first.cone.signature_held:
@@ -80,11 +87,13 @@ def recover(
                 "little, so the second order adds little to the first"
             )
         b = second_order(found.structure, coarse.mask, b, known).b
+        progress(0.3)
     structure = found.light.T @ stack.values
     model: LightModel = HarmonicLight(order)
     converged = None
-    fit = refined(coarse.values, coarse.mask, b, known, rng=rng) if refine else None
-    if fit is not None:
+    fit = refined(coarse, b, known, rng=rng) if refine else None
+    progress(0.7)
+    if fit is not None and not is_single(fit.model):
         turned = mapped(fit.transformation, structure_of(fit.model, fit.structure[-3:].T))
         rise = cue_cost(turned, coarse.mask, known) - cue_cost(b, coarse.mask, known)
         if rise > WORSE * len(b):
@@ -100,11 +109,12 @@ def recover(
         raw = seen[-3:].T
         if factor > 1:
             raw = spread_over(raw, found.structure, structure)
-            raw, weights = _refitted(stack.values, model, light, raw)
+            raw, weights = _refitted(
+                stack, model, light, raw, lambda done: progress(0.7 + 0.2 * done)
+            )
         extended = structure_of(model, raw)
         b = mapped(rows, extended)
-        single = isinstance(model, PointLights) and not model.ambient
-        cues = Cues(seen, coarse.mask, known, lights=light if single else None)
+        cues = Cues(seen, coarse.mask, known, lights=light if is_single(model) else None)
     else:
         rows = np.linalg.lstsq(found.structure.T, b, rcond=None)[0].T
         extended, b = structure, structure.T @ rows.T
@@ -155,16 +165,28 @@ def _first_order(
 
 
 def _refitted(
-    values: Float[np.ndarray, "F p"],
+    stack: ImageStack,
     model: LightModel,
     light: Float[np.ndarray, "F q"],
     start: Float[np.ndarray, "p 3"],
+    progress: Progress,
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
-    """Return every pixel fitted by itself, and the weights of its observations."""
-    raw = fit_normals(values, model, light, start)
-    residual = values - model.predict(light, raw)
-    weights = cauchy_weights(residual, robust_scale(residual))
-    return fit_normals(values, model, light, raw, weights=weights), weights
+    """Return every pixel fitted by itself, and the weights of its observations.
+
+    A share of the pixels at a time, to hold no more than the weights beside the stack.
+    """
+    raw, weights = np.empty(start.shape), np.empty(stack.values.shape)
+    parts = interleaved(len(start), 8 * len(light))
+    for number, some in enumerate(parts):
+        values = stack.values[:, some]
+        if is_single(model):
+            raw[some], weights[:, some] = refitted(
+                values, stack.usable[:, some], light, start[some]
+            )
+        else:
+            raw[some], weights[:, some] = fit_robustly(values, model, light, start[some])
+        progress((number + 1) / len(parts))
+    return raw, weights
 
 
 def harmonic_light(

@@ -8,6 +8,7 @@ import pytest
 from harmface.rendering import clamped_cosines
 from harmface.sphere import fibonacci_directions
 from harmface.stereo import refinement
+from harmface.stereo.stack import image_stack
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,9 @@ class Scene:
     def images(self, directions, weights):
         """Return F images over the pixels."""
         return weights @ clamped_cosines(self.b, directions)
+
+    def stack(self, values):
+        return image_stack(self.pictures(values), self.mask)
 
     def pictures(self, values):
         images = np.zeros((len(values), *self.mask.shape))
@@ -96,3 +100,12 @@ def ball():
 @pytest.fixture(scope="session")
 def single_lights():
     return front_lights(24)
+
+
+@pytest.fixture(scope="session")
+def several_sources(ball):
+    """Two point sources an image, and uniform light."""
+    rng = np.random.default_rng(6)
+    weights = np.eye(80)[:32] + 0.7 * np.eye(80)[rng.permutation(45)[:32]]
+    images = ball.images(fibonacci_directions(80), weights) + 0.3 * ball.albedo
+    return images * (1 + 0.01 * rng.standard_normal(images.shape))

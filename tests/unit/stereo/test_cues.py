@@ -83,6 +83,31 @@ def test_symmetry_undoes_a_slant(ball):
     assert gain > plain.cost(slanted) - plain.cost(np.eye(3)) + 50
 
 
+def test_no_component_gains_by_vanishing(ball):
+    index = np.full(ball.mask.shape, -1)
+    index[ball.mask] = np.arange(len(ball.b))
+    cues = Cues(ball.b.T, ball.mask, Knowledge(mirrored=index[:, ::-1][ball.mask]))
+    plain = Cues(ball.b.T, ball.mask)
+    flat = np.diag([1e-6, 1.0, 1.0])
+    assert cues.cost(flat) - plain.cost(flat) == pytest.approx(
+        cues.cost(np.eye(3)) - plain.cost(np.eye(3)), rel=0.3
+    )
+
+
+def test_uniform_light_prefers_rotations(ball):
+    cues, plain = (Cues(ball.b.T, ball.mask, uniform=share) for share in (0.3, 0.0))
+    turned = Rotation.from_rotvec([0.2, -0.5, 0.1]).as_matrix()
+    assert cues.cost(turned) == pytest.approx(plain.cost(turned))
+    stretched = np.diag([1.0, 1.0, 0.5])
+    assert cues.cost(stretched) > plain.cost(stretched) + 10
+
+
+def test_many_candidates_cost_what_each_costs(ball, rng):
+    rows = rng.standard_normal((70, 3, 3))
+    cues = Cues(ball.b.T, ball.mask, Knowledge(outline_of(ball.mask)), lights=rng.random((8, 3)))
+    assert np.allclose(cues.costs(rows), [cues.cost(each) for each in rows], rtol=1e-12)
+
+
 def test_harmonics_that_explain_the_structure_cost_less(ball):
     structure = RNG.standard_normal((9, 9)) @ scaled_normal_images(ball.b, 2)
     rows = np.linalg.lstsq(structure.T, ball.b, rcond=None)[0].T

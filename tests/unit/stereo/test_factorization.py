@@ -4,6 +4,7 @@ import pytest
 from harmface.errors import ArgumentError
 from harmface.stereo import factorization as module
 from harmface.stereo import factorize, factorize_robustly
+from harmface.stereo.robust import point_source_weights
 
 RNG = np.random.default_rng(5)
 LOW_RANK = RNG.standard_normal((20, 5)) @ RNG.standard_normal((5, 300))
@@ -21,6 +22,30 @@ def test_agrees_with_the_svd(monkeypatch):
     assert np.allclose(found.energy, np.cumsum(s**2) / (s**2).sum(), rtol=1e-10)
 
 
+@pytest.mark.parametrize("many", [1, 2**60])
+def test_single_precision_is_kept_and_leaves_no_more_than_it_must(monkeypatch, rng, many):
+    monkeypatch.setattr(module, "MANY", many)
+    rows = rng.standard_normal((40, 9)) * np.geomspace(1, 0.02, 9)
+    values = rows @ rng.standard_normal((9, 20_000)) + 3e-3 * rng.standard_normal((40, 20_000))
+    found = factorize(values.astype(np.float32), 9)
+    assert found.light.dtype == found.structure.dtype == np.float32
+    singular = np.linalg.svd(values, compute_uv=False)
+    # Images in single precision are off by eps / 4 or so, each by itself; their products by what
+    # `gram_matrix` says.
+    error = np.abs(found.singular_values**2 - singular**2).max() / singular[0] ** 2
+    assert error < (np.finfo(np.float32).eps / np.sqrt(20_000 / 1024) if many == 1 else 1e-10)
+    assert found.rank == 9
+    left = np.linalg.norm(values - found.light.astype(float) @ found.structure)
+    assert left < 1.0001 * np.linalg.norm(singular[9:])
+
+
+@pytest.mark.parametrize("many", [1, 2**60])
+def test_rank_of_noise_free_images_is_not_that_of_rounding(monkeypatch, rng, many):
+    monkeypatch.setattr(module, "MANY", many)
+    values = rng.standard_normal((20, 5)) @ rng.standard_normal((5, 20_000))
+    assert factorize(values.astype(np.float32), 5).rank == 5
+
+
 def test_finds_rank_and_noise():
     found = factorize(LOW_RANK + 0.05 * RNG.standard_normal(LOW_RANK.shape), 5)
     assert found.rank == 5
@@ -28,8 +53,12 @@ def test_finds_rank_and_noise():
     assert abs(found.noise / 0.05 - 1) < 0.04
 
 
-def test_noise_free_rank_is_exact():
+def test_noise_free_rank_is_exact(monkeypatch, rng):
+    # Also where single precision would be given up: a dimension 1e-5 of the others counts.
+    monkeypatch.setattr(module, "MANY", 1)
+    faint = 1e-5 * rng.standard_normal((20, 1)) * rng.standard_normal((1, 300))
     assert factorize(LOW_RANK, 3).rank == 5
+    assert factorize(LOW_RANK + faint, 3).rank == 6
 
 
 @pytest.mark.parametrize(
@@ -67,3 +96,22 @@ def test_unusable_observations_do_not_count():
     robust = factorize_robustly(values, 5, usable)
     assert (robust.weights[~usable] == 0).all()
     assert np.abs(robust.light @ robust.structure - LOW_RANK)[usable].max() < 0.05
+
+
+def test_brightness_beyond_the_prediction_counts_less_than_darkness():
+    predicted = np.ones((4, 500))
+    values = predicted + 0.01 * RNG.standard_normal(predicted.shape)
+    values[0, :3] = 1 + np.array([0.05, -0.05, 0.0])
+    lit = np.ones(values.shape, bool)
+    lit[3] = False
+    weights = point_source_weights(values, predicted, lit)
+    assert weights[0, 2] == 1
+    assert weights[0, 0] < weights[0, 1] / 3
+    assert (weights[3] == 0).all()
+
+
+def test_rounding_is_no_noise():
+    predicted = RNG.random((4, 500))
+    values = predicted * (1 + 1e-15 * RNG.standard_normal(predicted.shape))
+    weights = point_source_weights(values, predicted, np.ones(values.shape, bool))
+    assert weights.min() > 0.999

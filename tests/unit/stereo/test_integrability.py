@@ -2,8 +2,8 @@ import numpy as np
 
 from harmface.stereo import angular_errors, without_convexity, without_linear_map
 from harmface.stereo.cells import cells_of
-from harmface.stereo.integrability import integrable_rows, lorentz_rows, wedge
-from harmface.stereo.lorentz import lorentz_transformation
+from harmface.stereo.integrability import integrable_rows, isometric_rows, wedge
+from harmface.stereo.lorentz import METRIC, lorentz_transformation
 
 RNG = np.random.default_rng(4)
 
@@ -45,7 +45,7 @@ def test_three_rows_are_found_up_to_bas_relief(hills):
 def test_lorentz_ambiguity_is_resolved_in_closed_form(hills):
     null = hills.null_vectors / hills.albedo
     mixed = lorentz_transformation(np.array([0.3, -0.2, 0.25, 0.4, 1.0, -0.5])) @ null
-    rows = lorentz_rows(integrable_rows(mixed, cells_of(hills.mask)))
+    rows = isometric_rows(integrable_rows(mixed, cells_of(hills.mask)), -METRIC)
     normals = unit((rows @ mixed).T)
     normals *= np.sign(normals[:, 2].sum())
     # Second differences of the shortest wave, 20 pixels: (2 pi / 20)^2 / 12 = 0.8 %.
@@ -53,9 +53,11 @@ def test_lorentz_ambiguity_is_resolved_in_closed_form(hills):
 
 
 def test_rows_that_no_transformation_has_are_refused():
-    assert lorentz_rows(np.eye(4)[[1, 2, 0]]) is None
-    assert lorentz_rows(np.array([[5.0, 1, 0, 0], [5.0, 0, 1, 0], [0, 0, 0, 1.0]])) is None
-    kept = lorentz_rows(np.eye(4)[[1, 2, 3]])
+    assert isometric_rows(np.eye(4)[[1, 2, 0]], -METRIC) is None
+    assert (
+        isometric_rows(np.array([[5.0, 1, 0, 0], [5.0, 0, 1, 0], [0, 0, 0, 1.0]]), -METRIC) is None
+    )
+    kept = isometric_rows(np.eye(4)[[1, 2, 3]], -METRIC)
     assert np.array_equal(kept, np.eye(4)[1:])
 
 

@@ -138,18 +138,18 @@ def test_blocks_are_means_and_spread_back(rng):
     assert np.allclose(spread, (rows @ stack.values).T)
 
 
-def test_a_refinement_led_astray_is_set_aside(ball, photographs, monkeypatch):
+def test_a_refinement_led_astray_is_set_aside(ball, several_sources, monkeypatch):
     from harmface.stereo import unknown_light
 
-    def astray(values, mask, b, known, *, rng):
-        found = refine(values, mask, b, known, rng=rng)
+    def astray(stack, b, known, *, rng):
+        found = refine(stack, b, known, rng=rng)
         # A shear of all normals: the images stay explained, the surface does not exist.
         shear = np.eye(3)
         shear[0, 1] = 1.5
         return replace(found, transformation=shear @ found.transformation)
 
     monkeypatch.setattr(unknown_light, "refined", astray)
-    result = photometric_stereo(photographs, ball.mask)
+    result = photometric_stereo(ball.pictures(several_sources), ball.mask)
     assert result.report.method == "second order"
     assert result.report.light_model is None
     assert any("set aside" in warning for warning in result.report.warnings)
