@@ -1,15 +1,22 @@
-"""What several commands share: tables, progress, option types."""
+"""What several commands share: tables, progress, option types, sets of photographs."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from harmface import checks
+from harmface.errors import ArgumentError, FileError
 from harmface.geometry import Mesh
+
+if TYPE_CHECKING:
+    from harmface.io import Photograph
+    from harmface.io.galleries import LabelledPhotographs
 
 MeshArgument = Annotated[
     Path, typer.Argument(metavar="MESH", help="A PLY, OBJ, GLB or STL file, y up, facing +z.")
@@ -22,6 +29,12 @@ SrgbColorsOption = Annotated[
     typer.Option("--srgb-colors", help="The mesh's colours are sRGB-encoded: make them linear."),
 ]
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
+SrgbOption = Annotated[
+    bool, typer.Option("--srgb", help="The photographs are sRGB-encoded: make them linear.")
+]
+SkipBadOption = Annotated[
+    bool, typer.Option("--skip-bad", help="Go on without files that cannot be used; name them.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
 output = Console()
@@ -33,6 +46,154 @@ def load_mesh(path: Path, texture: Path | None, srgb_colors: bool) -> Mesh:
     from harmface.io import read_mesh
 
     return read_mesh(path, texture=texture, srgb=srgb_colors)
+
+
+def holds_photographs(sources: list[Path]) -> bool:
+    """Return whether sources are one folder, with files in it of which none is a mesh."""
+    return (
+        len(sources) == 1
+        and sources[0].is_dir()
+        and not _meshes_in(sources[0])
+        and any(path.is_file() for path in sources[0].rglob("*"))
+    )
+
+
+def mesh_files(given: list[Path]) -> dict[str, Path]:
+    """Return the mesh files given, and those in the folders given, by subject."""
+    files: list[Path] = []
+    for path in given:
+        if not path.exists():
+            raise FileError(f"{path}: does not exist; check the name")
+        inside = _meshes_in(path) if path.is_dir() else [path]
+        if not inside:
+            raise FileError(f"{path}: holds no mesh; give PLY, OBJ, GLB or STL files")
+        files += inside
+    named: dict[str, Path] = {}
+    for path in files:
+        if path.stem in named:
+            raise FileError(f"{path}: is the second mesh of subject {path.stem!r}; rename one")
+        named[path.stem] = path
+    return named
+
+
+def _meshes_in(folder: Path) -> list[Path]:
+    from harmface.io.meshes import MESH_SUFFIXES
+
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in MESH_SUFFIXES)
+
+
+def rows_and_columns(text: str | None) -> tuple[int, int] | None:
+    """Return what `--size HxW` says."""
+    if text is None:
+        return None
+    rows, _, columns = text.partition("x")
+    if not (rows.isdigit() and columns.isdigit() and int(rows) and int(columns)):
+        raise ArgumentError(f"--size must be HxW, such as 48x42, got {text!r}")
+    return int(rows), int(columns)
+
+
+def rows_of_square(text: str) -> int:
+    """Return what `--size N` says."""
+    if not text.isdigit():
+        raise ArgumentError(f"--size must be a whole number for meshes, got {text!r}")
+    return checks.positive_integer("--size", int(text))
+
+
+def read_subjects(
+    folder: Path, size: tuple[int, int] | None, srgb: bool, skip_bad: bool
+) -> tuple[list["Photograph"], np.ndarray, list[FileError]]:
+    """Return the photographs of a folder, their pixels, and the errors of those left out."""
+    from harmface.io import find_photographs, read_photographs
+
+    found = find_photographs(folder)
+    folders: dict[str, Path] = {}
+    for photograph in found:
+        if folders.setdefault(photograph.subject, photograph.path.parent) != photograph.path.parent:
+            raise FileError(
+                f"{photograph.path.parent}: is the second folder of subject "
+                f"{photograph.subject!r}, after {folders[photograph.subject]}; rename or merge it"
+            )
+    skipped: list[FileError] = []
+    with errors.status("reading"):
+        kept, images = read_photographs(
+            found, srgb=srgb, size=size, bad=skipped.append if skip_bad else None
+        )
+    tell_skipped(skipped)
+    return kept, images, skipped
+
+
+def read_enrolled(
+    folder: Path, gallery: str | None, shape: tuple[int, int] | None, srgb: bool, skip_bad: bool
+) -> tuple["LabelledPhotographs", dict[str, Any]]:
+    """Return the photographs of a folder that are to be enrolled, and how they were read."""
+    from harmface.io import choose_gallery
+    from harmface.io.galleries import LabelledPhotographs
+
+    kept, images, skipped = read_subjects(folder, shape, srgb, skip_bad)
+    chosen = np.ones(len(kept), bool) if gallery is None else choose_gallery(kept, gallery)
+    used = [photograph for photograph, wanted in zip(kept, chosen, strict=True) if wanted]
+    facts = {
+        "files": [str(photograph.path.relative_to(folder)) for photograph in used],
+        "gallery": gallery or "all",
+        "srgb": srgb,
+        "resized": shape is not None,
+        "skipped": [str(error) for error in skipped],
+    }
+    return LabelledPhotographs(tuple(each.subject for each in used), images[chosen]), facts
+
+
+def tell_skipped(skipped: list[FileError]) -> None:
+    """Name on stderr every file that was left out, and count them."""
+    for error in skipped:
+        errors.print(f"skipped {error}", highlight=False, soft_wrap=True)
+    if skipped:
+        noun = "file" if len(skipped) == 1 else "files"
+        errors.print(f"{len(skipped)} {noun} skipped", highlight=False)
+
+
+def read_probes(
+    paths: list[Path], mask: np.ndarray, resize: bool, srgb: bool, skip_bad: bool
+) -> tuple[list[Path], np.ndarray, list[FileError]]:
+    """Return the images that can be compared on a mask, and the errors of those left out."""
+    kept: list[Path] = []
+    probes: list[np.ndarray] = []
+    skipped: list[FileError] = []
+    with progress("reading") as report:
+        for number, path in enumerate(paths):
+            try:
+                probes.append(_probe(path, mask, resize, srgb))
+                kept.append(path)
+            except FileError as error:
+                if not skip_bad:
+                    raise
+                skipped.append(error)
+            report((number + 1) / len(paths))
+    tell_skipped(skipped)
+    if not kept:
+        raise FileError("no image is left to recognise")
+    return kept, np.stack(probes), skipped
+
+
+def _probe(path: Path, mask: np.ndarray, resize: bool, srgb: bool) -> np.ndarray:
+    from harmface.conventions import luminance
+    from harmface.io import read_image
+
+    image = read_image(path, srgb=srgb)
+    image = luminance(image) if image.ndim == 3 else image
+    if resize and image.shape != mask.shape:
+        import cv2
+
+        image = cv2.resize(image, mask.shape[::-1], interpolation=cv2.INTER_AREA)
+    if image.shape != mask.shape:
+        raise FileError(
+            f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, the gallery has "
+            f"{mask.shape[0]} x {mask.shape[1]}; resize it, or enroll with its --size"
+        )
+    if not image[mask].any():
+        raise FileError(f"{path}: is all black where faces are; give a photograph with light in it")
+    if np.ptp(image[mask]) == 0:
+        raise FileError(f"{path}: has one value everywhere that faces are; it shows nothing")
+    return image
 
 
 @contextmanager

@@ -1,8 +1,9 @@
 """`harmface enroll` and `harmface recognize`."""
 
 import json
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -11,130 +12,481 @@ from rich.table import Table
 from harmface import checks
 from harmface.cli.common import (
     JsonOption,
-    SizeOption,
+    SkipBadOption,
     SrgbColorsOption,
+    SrgbOption,
+    errors,
+    holds_photographs,
     load_mesh,
+    mesh_files,
     output,
     progress,
+    read_enrolled,
+    read_probes,
+    rows_and_columns,
+    rows_of_square,
+    tell_skipped,
 )
 from harmface.errors import ArgumentError, FileError
 
+if TYPE_CHECKING:
+    from harmface.io.galleries import Enrolled
+
+SUBSPACES = {"3d": 1, "4d": 1, "9d": 2, "16d": 3, "25d": 4}
+DEGREES = SUBSPACES | {"non-negative-4d": 1, "non-negative-9d": 2}
+"""Methods that compare with harmonic images, and to which degree they want them."""
+
+TRIALS = 1000
+"""Most photographs that probabilities and thresholds are estimated from, and so the least
+false-accept rate that can be: one in a thousand."""
+
+FOLDS = 3
+"""Parts of a gallery of photographs, each recognised by the others to see how sure a name is."""
+
+MOST_PICTURED = 40
+"""Most probes in one figure."""
+
 
 def enroll(
-    meshes: Annotated[
-        list[Path], typer.Argument(metavar="MESHES_OR_DIR...", help="Mesh files, or folders.")
+    sources: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="MESHES_OR_DIR...",
+            help="Mesh files, folders of them, or one folder of photographs: Extended Yale B, or "
+            "a folder for each subject.",
+        ),
     ],
     out: Annotated[Path, typer.Option(help="Gallery file (.npz) to write.")],
-    size: SizeOption = 64,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            help="What the gallery is for. Meshes: 9d (default), 3d, 4d, 16d (more than 9d with "
+            "--cast-shadows only), 25d, non-negative-4d, non-negative-9d, or any method of "
+            "photographs. Photographs: local (default) or any other method of `evaluate`."
+        ),
+    ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option(help="N rows and columns for meshes (64); HxW to resize photographs to."),
+    ] = None,
+    gallery: Annotated[
+        str | None,
+        typer.Option(
+            help="Which photographs to enroll: ninepoints, subset1, first:N of each subject, or a "
+            "text file of their names; all by default."
+        ),
+    ] = None,
     cast_shadows: Annotated[
         bool,
         typer.Option(help="Cast rays for the shadows of a head on itself: slower and better."),
     ] = False,
     srgb_colors: SrgbColorsOption = False,
+    srgb: SrgbOption = False,
+    skip_bad: SkipBadOption = False,
 ) -> None:
-    """Enroll subjects from meshes: nine harmonic images each.
+    """Enroll subjects from meshes, as harmonic images, or from photographs.
 
-    A subject's name is its file's name without the ending. Every mesh is seen from the front
+    A mesh's file name without the ending is its subject's name. Every mesh is seen from the front
     (along -z), orthographically, centred by its bounding box, its height filling 1/1.05 of the
-    picture; images to be recognised must be framed alike, as `harmface render` does.
+    picture; images to be recognised must be framed alike, as `harmface render` does. A method of
+    photographs, such as local, is given nine pictures of each mesh, under the nine points of light.
+
+    Photographs must be cropped alike; those to be recognised are treated as they are (--srgb,
+    --size).
 
     Example: harmface enroll faces --size 64 --out gallery.npz
+
+    Example: harmface enroll CroppedYale --gallery subset1 --size 48x42 --out gallery.npz
     """
     from harmface.io import write_gallery
-    from harmface.recognition.gallery import Gallery, subject_images
 
-    checks.positive_integer("--size", size)
-    files = _mesh_files(meshes)
-    images = []
-    with progress("enrolling") as report:
-        for number, path in enumerate(files.values()):
-            try:
-                mesh = load_mesh(path, None, srgb_colors)
-                images.append(subject_images(mesh, size, 2, cast_shadows))
-            except ArgumentError as error:
-                raise FileError(f"{path}: {error}") from None
-            report((number + 1) / len(files))
-    write_gallery(out, Gallery(tuple(files), np.stack(images)))
-    output.print(f"{len(files)} subjects at {size} x {size} pixels in {out}")
+    if holds_photographs(sources):
+        if cast_shadows or srgb_colors:
+            raise ArgumentError("--cast-shadows and --srgb-colors are for meshes, not photographs")
+        enrolled = _from_photographs(sources[0], method, gallery, size, srgb, skip_bad)
+    else:
+        if gallery is not None or srgb:
+            raise ArgumentError("--gallery and --srgb are for photographs, not meshes")
+        enrolled = _from_meshes(sources, method, size, cast_shadows, srgb_colors, skip_bad)
+    write_gallery(out, enrolled)
+    output.print(f"{enrolled.summary} in {out}, for {enrolled.method}", soft_wrap=True)
 
 
 def recognize(
     gallery: Annotated[Path, typer.Argument(help="Gallery file made by `harmface enroll`.")],
     images: Annotated[list[Path], typer.Argument(metavar="IMAGES...", help="Photographs.")],
-    method: Annotated[str, typer.Option(help="Subspace: 9d, 4d or 3d.")] = "9d",
+    method: Annotated[
+        str | None,
+        typer.Option(
+            help="How to compare; by default what the gallery was enrolled for. Harmonic images "
+            "serve 3d, 4d, 9d, 16d, 25d, non-negative-4d, non-negative-9d; photographs serve "
+            "local and every other method of `evaluate`."
+        ),
+    ] = None,
     top: Annotated[int, typer.Option(help="How many subjects to list for each image.")] = 5,
-    srgb: Annotated[
-        bool, typer.Option("--srgb", help="The images are sRGB-encoded: make them linear.")
-    ] = False,
+    reject: Annotated[
+        float | None,
+        typer.Option(
+            metavar="RATE",
+            help="Tell strangers, taking this share of them for somebody: such as 0.01.",
+        ),
+    ] = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(help="PNG: each image, how the two nearest subjects explain it, the light."),
+    ] = None,
+    srgb: SrgbOption = False,
+    skip_bad: SkipBadOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Rank the subjects of a gallery by the distance of each image to their subspace.
+    """Rank the subjects of a gallery by how well each explains an image, whatever the light.
 
-    Images must be linear (or --srgb given), framed as the gallery is, and of its size. Colour is
-    turned to luminance. Distances are relative to the image's norm: 0 is a perfect fit.
+    Images must be linear (or --srgb given), and framed as the gallery is. Colour is turned to
+    luminance. Distances are the method's own; for subspaces they are relative to the image's
+    norm, 0 being a perfect fit. The margin is how much nearer the first subject is than the
+    second: 0 is a tie. The probability takes the image for one of somebody enrolled; it and the
+    threshold of --reject are estimated from photographs of the gallery (of a mesh: pictures under
+    nine lights).
 
     Example: harmface recognize gallery.npz probe.png --top 5
+
+    Example: harmface recognize gallery.npz *.png --reject 0.01 --figure why.png
     """
     from harmface.io import read_gallery
-    from harmface.recognition import HarmonicSubspaceClassifier
+    from harmface.recognition import margins, posteriors
+    from harmface.recognition.evaluation import independence
 
     checks.positive_integer("--top", top)
-    subjects = read_gallery(gallery)
-    probes = np.stack([_probe(path, subjects.mask, srgb) for path in images])
-    classifier = HarmonicSubspaceClassifier.from_gallery(subjects, method)
-    distances = classifier.distances(probes)
-    order = distances.argsort(axis=1)[:, :top]
-    rankings = [
-        [{"subject": str(classifier.classes_[i]), "distance": float(row[i])} for i in best]
-        for row, best in zip(distances, order, strict=True)
-    ]
-    if as_json:
-        results = [
-            {"image": str(path), "ranking": ranking}
-            for path, ranking in zip(images, rankings, strict=True)
-        ]
-        typer.echo(json.dumps({"results": results}, indent=1))
-        return
-    for path, ranking in zip(images, rankings, strict=True):
-        table = Table("rank", "subject", "distance", title=str(path))
-        for rank, entry in enumerate(ranking, 1):
-            table.add_row(str(rank), str(entry["subject"]), f"{entry['distance']:.4f}")
-        output.print(table)
-
-
-def _mesh_files(given: list[Path]) -> dict[str, Path]:
-    """Return the mesh files given, and those in the folders given, by subject."""
-    from harmface.io.meshes import MESH_SUFFIXES
-
-    files: list[Path] = []
-    for path in given:
-        if path.is_dir():
-            inside = sorted(p for p in path.iterdir() if p.suffix.lower() in MESH_SUFFIXES)
-            if not inside:
-                raise FileError(f"{path}: holds no mesh; give {', '.join(MESH_SUFFIXES)} files")
-            files += inside
-        else:
-            files.append(path)
-    named: dict[str, Path] = {}
-    for path in files:
-        if path.stem in named:
-            raise FileError(f"{path}: is the second mesh of subject {path.stem!r}; rename one")
-        named[path.stem] = path
-    return named
-
-
-def _probe(path: Path, mask: np.ndarray, srgb: bool) -> np.ndarray:
-    """Return the pixels of an image that the gallery compares, in luminance."""
-    from harmface.conventions import luminance
-    from harmface.io import read_image
-
-    image = read_image(path, srgb=srgb)
-    if image.shape[:2] != mask.shape:
-        raise FileError(
-            f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, the gallery has "
-            f"{mask.shape[0]} x {mask.shape[1]}; resize it, or enroll with its --size"
+    enrolled = read_gallery(gallery)
+    matcher = _matcher(enrolled, method or enrolled.method, gallery)
+    facts = enrolled.facts
+    paths, probes, skipped = read_probes(
+        *(images, enrolled.mask, facts.get("resized") is True),
+        *(srgb or facts.get("srgb") is True, skip_bad),
+    )
+    if figure is not None and len(paths) > MOST_PICTURED:
+        raise ArgumentError(
+            f"--figure shows {MOST_PICTURED} images at most, got {len(paths)}; give fewer at a time"
         )
-    pixels = (luminance(image) if image.ndim == 3 else image)[mask]
-    if not pixels.any():
-        raise FileError(f"{path}: is all black where faces are; give a photograph with light in it")
-    return pixels
+    with errors.status("comparing"):
+        distances = matcher.distances(probes)
+        rejection = None if reject is None else _rejection(matcher, reject, gallery)
+        several = len(enrolled.names) > 1
+        held_out = matcher.held_out if several else None
+    margin = margins(distances) if several else None
+    chances = None if held_out is None else posteriors(distances, independence(*held_out))
+    results = []
+    for row, path in enumerate(paths):
+        nearest = distances[row].argsort(kind="stable")[:top]
+        ranking = [
+            {
+                "subject": enrolled.names[i],
+                "distance": float(distances[row, i]),
+                "probability": None if chances is None else float(chances[row, i]),
+            }
+            for i in nearest
+        ]
+        result: dict[str, Any] = {"image": str(path), "ranking": ranking, "margin": None}
+        if margin is not None:
+            result["margin"] = float(margin[row])
+        if rejection is not None:
+            result["known"] = result["margin"] > rejection["least_margin"]
+        results.append(result)
+    if figure is not None:
+        _draw(figure, matcher, paths, probes, distances)
+    if as_json:
+        record = {
+            "method": matcher.method,
+            "content": enrolled.content,
+            "subjects": len(enrolled.names),
+            "rejection": rejection,
+            "skipped": len(skipped),
+            "results": results,
+        }
+        typer.echo(json.dumps(record, indent=1))
+        return
+    for result in results:
+        _print_answer(result, rejection)
+
+
+def _from_photographs(
+    folder: Path,
+    method: str | None,
+    gallery: str | None,
+    size: str | None,
+    srgb: bool,
+    skip_bad: bool,
+) -> "Enrolled":
+    from harmface.io.galleries import enrolled_photographs
+    from harmface.recognition.baselines import METHODS, recognizer
+
+    shape = rows_and_columns(size)
+    method = method or METHODS[0]
+    if method in DEGREES:
+        raise ArgumentError(
+            f"--method {method} needs meshes, {folder} holds none; photographs serve "
+            f"{', '.join(METHODS)}"
+        )
+    recognizer(method, (1, 1), 1)  # names the methods there are before anything is read
+    photographs, facts = read_enrolled(folder, gallery, shape, srgb, skip_bad)
+    return enrolled_photographs(photographs, method, facts=facts)
+
+
+def _from_meshes(
+    sources: list[Path],
+    method: str | None,
+    size: str | None,
+    cast_shadows: bool,
+    srgb_colors: bool,
+    skip_bad: bool,
+) -> "Enrolled":
+    """Enroll harmonic images, or what photographs under the nine points of light would show."""
+    from harmface.io.galleries import Enrolled, LabelledPhotographs, enrolled_photographs
+    from harmface.light import DistantLight
+    from harmface.recognition import Gallery, nine_points, subject_images, subject_photographs
+    from harmface.recognition.baselines import recognizer
+
+    method = method or "9d"
+    if method not in DEGREES:
+        try:
+            recognizer(method, (1, 1), 1)
+        except ArgumentError as error:
+            raise ArgumentError(f"{error}; for meshes also {', '.join(DEGREES)}") from None
+    side = rows_of_square(size or "64")
+    light = DistantLight(nine_points(), np.eye(9))
+    files = mesh_files(sources)
+    names, images, photographs, skipped = [], [], [], []
+    with progress("enrolling") as report:
+        for number, (name, path) in enumerate(files.items()):
+            try:
+                mesh = load_mesh(path, None, srgb_colors)
+                degree = max(2, DEGREES[method]) if method in DEGREES else 0
+                harmonic = subject_images(mesh, side, degree, cast_shadows and degree > 0)
+                nine = subject_photographs(mesh, light, side)
+                if not nine.any(axis=(1, 2)).all():
+                    raise ArgumentError("is black under some light; give it some albedo")
+            except (ArgumentError, FileError) as error:
+                found = error if isinstance(error, FileError) else FileError(f"{path}: {error}")
+                if not skip_bad:
+                    raise found from None
+                skipped.append(found)
+                continue
+            names.append(name)
+            images.append(harmonic)
+            # An exposure for each, as a camera sets it.
+            photographs.append(nine / nine.max(axis=(1, 2), keepdims=True))
+            report((number + 1) / len(files))
+    tell_skipped(skipped)
+    if not names:
+        raise FileError("no mesh could be read")
+    gallery = Gallery(tuple(names), np.stack(images))
+    facts = {
+        "files": [str(files[name]) for name in names],
+        "cast_shadows": cast_shadows,
+        "skipped": [str(error) for error in skipped],
+    }
+    trials = LabelledPhotographs(tuple(np.repeat(names, 9).tolist()), np.concatenate(photographs))
+    if method in DEGREES:
+        return Enrolled(gallery, method, trials, gallery.mask, True, facts)
+    return enrolled_photographs(trials, method, mask=gallery.mask, aligned=True, facts=facts)
+
+
+Tried = tuple[np.ndarray, np.ndarray]
+"""Distances of photographs to every subject, and which subject each shows."""
+
+
+def _tried(matcher: "Matcher") -> Tried | None:
+    trials = matcher.enrolled.some_trials(TRIALS)
+    return None if trials is None else (matcher.distances(trials[0]), trials[1])
+
+
+class _HarmonicMatcher:
+    """Compares images with the harmonic images of every subject."""
+
+    tried = cached_property(_tried)
+
+    def __init__(self, enrolled: "Enrolled", method: str) -> None:
+        self.enrolled, self.method, self.mask = enrolled, method, enrolled.mask
+        some = slice(int(method == "3d"), (DEGREES[method] + 1) ** 2)
+        self.harmonics = enrolled.gallery.images[np.argsort(enrolled.gallery.subjects), some]
+
+    def distances(self, images: np.ndarray) -> np.ndarray:
+        from harmface import recognition
+
+        pixels = images[:, self.mask]
+        if self.method == "non-negative-4d":
+            return recognition.non_negative_distances_4d(pixels, self.basis.astype(np.float64))
+        if self.method == "non-negative-9d":
+            return recognition.non_negative_distances(pixels, self.basis)
+        return recognition.subspace_distances(pixels, self.basis)
+
+    @cached_property
+    def basis(self) -> np.ndarray:
+        from harmface.recognition import orthonormal_basis
+
+        seen = self.harmonics[..., self.mask]
+        return orthonormal_basis(seen, seen.shape[1]) if self.method in SUBSPACES else seen
+
+    @property
+    def held_out(self) -> Tried | None:
+        """The trials: they are no part of the harmonic images."""
+        return self.tried
+
+    def reconstructions(
+        self, images: np.ndarray, which: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """Return what a subject looks like at its most alike to each image, and in which light."""
+        from harmface.recognition import estimated_light
+        from harmface.recognition.non_negative import non_negative_light, small_problems
+        from harmface.recognition.non_negative_4d import nearest_in_round_cone
+
+        pixels = images[:, self.mask].astype(np.float64)
+        own = self.harmonics[which].astype(np.float64)
+        seen = own[..., self.mask]
+        if self.method == "non-negative-9d":
+            light = np.einsum("iik->ik", non_negative_light(pixels, seen))
+        elif self.method == "non-negative-4d":
+            problems = small_problems(pixels, seen)
+            light = np.einsum("iik->ik", nearest_in_round_cone(*problems[:2]))
+        else:
+            light = estimated_light(pixels, seen)
+        pictures = np.einsum("nk,nkhw->nhw", light, own)
+        # The 3-D subspace leaves the ambient term out.
+        return pictures, np.pad(light, ((0, 0), (1, 0))) if self.method == "3d" else light
+
+
+class _PhotographMatcher:
+    """Compares images with photographs, by a recogniser that is trained on them first."""
+
+    tried = cached_property(_tried)
+
+    def __init__(self, enrolled: "Enrolled", method: str) -> None:
+        self.enrolled, self.method, self.mask = enrolled, method, enrolled.mask
+        self.truth = np.searchsorted(enrolled.names, enrolled.gallery.subjects)
+        self.recognizer = self._trained(self._rows(enrolled.gallery.images), self.truth)
+
+    def distances(self, images: np.ndarray) -> np.ndarray:
+        from harmface.recognition.evaluation import distances_by
+
+        return distances_by(self.recognizer, self._rows(images))
+
+    @property
+    def held_out(self) -> Tried | None:
+        """Distances of the gallery's photographs to subjects known without them."""
+        from harmface.recognition.evaluation import held_out_distances
+
+        # With fewer photographs of somebody, one alone may be left of them, or none.
+        if np.bincount(self.truth).min() < FOLDS:
+            return None
+        rows = self._rows(self.enrolled.gallery.images)
+        return held_out_distances(self._trained, rows, self.truth, FOLDS, TRIALS // FOLDS)
+
+    def reconstructions(self, images: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, None]:
+        """Return the projection of each image onto the span of a subject's photographs."""
+        from harmface.recognition import orthonormal_basis
+
+        pictures = np.zeros(images.shape)
+        for row, (image, subject) in enumerate(zip(images, which, strict=True)):
+            own = self.enrolled.gallery.images[self.truth == subject][:, self.mask]
+            basis = orthonormal_basis(own.astype(np.float64), len(own))
+            pictures[row, self.mask] = (basis @ image[self.mask]) @ basis
+        return pictures, None
+
+    def _trained(self, rows: np.ndarray, truth: np.ndarray) -> Any:
+        from harmface.recognition.baselines import recognizer
+
+        made = recognizer(self.method, self.mask.shape, int(np.bincount(truth).min()))
+        wanted = {"mask": self.mask, "aligned": self.enrolled.aligned}
+        taken = made[-1].get_params().keys() & wanted
+        made[-1].set_params(**{name: wanted[name] for name in taken})
+        return made.fit(rows, truth)
+
+    def _rows(self, images: np.ndarray) -> np.ndarray:
+        return (images * self.mask).reshape(len(images), -1).astype(np.float32)
+
+
+Matcher = _HarmonicMatcher | _PhotographMatcher
+
+
+def _matcher(enrolled: "Enrolled", method: str, path: Path) -> Matcher:
+    """Return what compares by a method, or refuse one that the gallery cannot serve."""
+    from harmface.io.galleries import PHOTOGRAPHS
+    from harmface.recognition.baselines import METHODS
+
+    if enrolled.content == PHOTOGRAPHS:
+        if method in DEGREES:
+            raise ArgumentError(
+                f"{path}: holds photographs, and {method} needs harmonic images; enroll meshes "
+                f"with --method {method}, or use one of {', '.join(METHODS)}"
+            )
+        return _PhotographMatcher(enrolled, method)
+    if method not in DEGREES:
+        raise ArgumentError(
+            f"{path}: holds harmonic images, so --method must be one of {', '.join(DEGREES)}, got "
+            f"{method!r}; methods of photographs need a gallery enrolled with --method {method}"
+        )
+    held, needed = enrolled.gallery.images.shape[1], (DEGREES[method] + 1) ** 2
+    if needed > held:
+        raise ArgumentError(
+            f"{path}: holds {held} harmonic images of a subject, {method} needs {needed}; enroll "
+            f"with --method {method}"
+        )
+    return _HarmonicMatcher(enrolled, method)
+
+
+def _rejection(matcher: Matcher, rate: float, path: Path) -> dict[str, float]:
+    from harmface.recognition.evaluation import rejection_by_margin
+
+    subjects, tried = len(matcher.enrolled.names), matcher.tried
+    if tried is None or subjects < 3:
+        raise ArgumentError(
+            f"--reject needs three subjects and photographs of them to estimate from; {path} has "
+            f"{subjects} and {'none' if tried is None else len(tried[0])}; enroll more"
+        )
+    found = rejection_by_margin(*tried, rate)
+    return {
+        "least_margin": 1 - found.threshold,
+        "false_accept_rate": found.false_accept_rate,
+        "strangers": found.strangers,
+    }
+
+
+def _draw(
+    path: Path, matcher: Matcher, paths: list[Path], probes: np.ndarray, distances: np.ndarray
+) -> None:
+    from harmface.viz import Explanation, explanation_figure, write_figure
+
+    nearest = distances.argsort(axis=1, kind="stable")[:, :2]
+    found = [matcher.reconstructions(probes, column) for column in nearest.T]
+    light, names = found[0][1], matcher.enrolled.names
+    explanations = [
+        Explanation(
+            each.name,
+            probes[row],
+            [
+                (f"{names[subject]} ({distances[row, subject]:.3f})", pictures[row])
+                for subject, (pictures, _) in zip(nearest[row], found, strict=True)
+            ],
+            None if light is None else light[row],
+        )
+        for row, each in enumerate(paths)
+    ]
+    write_figure(path, explanation_figure(explanations, matcher.mask))
+
+
+def _print_answer(result: dict[str, Any], rejection: dict[str, float] | None) -> None:
+    table = Table("rank", "subject", "distance", "probability", title=result["image"])
+    for rank, entry in enumerate(result["ranking"], 1):
+        chance = entry["probability"]
+        shown = "-" if chance is None else f"{chance:.1%}"
+        table.add_row(str(rank), entry["subject"], f"{entry['distance']:.4f}", shown)
+    output.print(table)
+    verdict = ""
+    if rejection is not None:
+        verdict = (
+            f": {'accepted' if result['known'] else 'rejected as a stranger'} "
+            f"({rejection['false_accept_rate']:.2%} of {rejection['strangers']} strangers exceed "
+            f"{rejection['least_margin']:.1%})"
+        )
+    if result["margin"] is not None:
+        output.print(f"margin {result['margin']:.1%}{verdict}", highlight=False, soft_wrap=True)

@@ -1,20 +1,24 @@
 """`harmface stereo`: a surface from photographs under changing light."""
 
-import io
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
 
-from harmface.cli.common import errors, output
+from harmface.cli.common import errors, output, progress
 from harmface.errors import ArgumentError
 
+if TYPE_CHECKING:
+    from harmface.geometry import PerspectiveCamera
+    from harmface.io import Capture
+    from harmface.stereo import StereoResult
+
 METHODS = ("4d", "9d", "refined", "known-lights")
-NAMES = ("normals.npy", "albedo.npy", "depth.npy", "confidence.npy")
-OTHERS = ("mask.png", "mesh.ply", "summary.json", "figure.png")
+MANY_SATURATED = 0.01
+"""Share of saturated observations that is worth a word."""
 
 
 def stereo(
@@ -26,7 +30,12 @@ def stereo(
         ),
     ],
     out: Annotated[Path, typer.Option(help="Folder to make; it must not hold other files.")],
-    mask: Annotated[Path | None, typer.Option(help="Image that is white on the object.")] = None,
+    mask: Annotated[
+        Path | None,
+        typer.Option(
+            help="Image that is white on the object; else *mask.* beside the photographs."
+        ),
+    ] = None,
     method: Annotated[
         str,
         typer.Option(
@@ -35,7 +44,11 @@ def stereo(
         ),
     ] = "refined",
     lights: Annotated[
-        Path | None, typer.Option(help="Text file: x y z to the light, a line an image.")
+        Path | None,
+        typer.Option(
+            help="Text file, a line an image: x y z to the light (x right, y up, z towards the "
+            "camera) and, if known, its intensity; else lights.txt in the folder."
+        ),
     ] = None,
     gamma: Annotated[
         str, typer.Option(help="How the photographs are encoded: linear or srgb.")
@@ -43,77 +56,139 @@ def stereo(
     symmetric: Annotated[
         bool, typer.Option("--symmetric", help="The object is symmetric about its vertical axis.")
     ] = False,
+    focal: Annotated[
+        float | None,
+        typer.Option(
+            help="Focal length in pixels, for the depth of a perspective view whose axis meets "
+            "the middle of the picture."
+        ),
+    ] = None,
+    mesh_format: Annotated[
+        str,
+        typer.Option(help="ply or glb (albedo as vertex colours), or obj (albedo as texture)."),
+    ] = "ply",
 ) -> None:
     """Recover normals, albedo and depth from photographs under unknown or known light.
 
+    Photographs are PNG, TIFF, PGM, TGA, JPEG or BMP of 8 or 16 bits, in the order of the numbers
+    in their names; colour is turned to luminance. Of the light's directions only known-lights
+    makes use; where intensities are known the photographs are divided by them.
+
     Example: harmface stereo photos/*.png --mask mask.png --method refined --out surface
     """
-    from harmface.geometry import depth_least_squares, depth_to_mesh
+    from harmface.geometry import depth_least_squares, depth_to_mesh, facing_camera
     from harmface.io import (
+        MESH_FILES,
         atomic_write,
         prepare_folder,
         read_capture,
-        read_lights,
-        read_mask,
-        write_image,
-        write_ply,
+        surface_files,
+        write_surface,
     )
-    from harmface.stereo import angular_errors, photometric_stereo
+    from harmface.stereo import photometric_stereo
     from harmface.viz import stereo_figure, write_figure
 
-    if method not in METHODS:
-        raise ArgumentError(f"--method must be one of {', '.join(METHODS)}, got {method!r}")
-    if gamma not in ("linear", "srgb"):
-        raise ArgumentError(f"--gamma must be linear or srgb, got {gamma!r}")
-    capture = read_capture(images, srgb=gamma == "srgb")
-    object_mask = capture.mask if mask is None else read_mask(mask)
-    light = capture.lights if lights is None else read_lights(lights, len(capture.names))
+    _require("--method", method, METHODS)
+    _require("--gamma", gamma, ("linear", "srgb"))
+    _require("--mesh-format", mesh_format, tuple(MESH_FILES))
+    if focal is not None and not 0 < focal < np.inf:
+        raise ArgumentError(f"--focal must be a positive number of pixels, got {focal}")
+    names = [*surface_files(mesh_format), "figure.png", "summary.json"]
+    if out.exists():
+        prepare_folder(out, names)
+    with progress("reading") as report:
+        capture = read_capture(
+            images, srgb=gamma == "srgb", mask=mask, lights=lights, report=report
+        )
     known = method == "known-lights"
-    if known and light is None:
+    if known and capture.lights is None:
         raise ArgumentError(
             "--method known-lights needs --lights, or photographs whose names or folder tell them"
         )
-    with errors.status("solving"):
+    camera = None if focal is None else _camera(focal, capture.images.shape[1:])
+    with progress("solving") as report:
         found = photometric_stereo(
             capture.images,
-            object_mask,
-            light=light if known else None,
+            capture.mask,
+            light=capture.lights if known else None,
             order=1 if method == "4d" else 2,
             refine=method == "refined",
             symmetric=symmetric,
             robust=known,
+            progress=report,
         )
         # At the rim noise may turn a normal away from the camera: no depth has such a slope.
-        facing = found.mask & (found.normals[..., 2] > 0)
-        depth = depth_least_squares(found.normals, facing)
-    summary: dict[str, object] = {
+        facing = facing_camera(found.normals, found.mask, camera)
+        depth = depth_least_squares(found.normals, facing, camera=camera)
+        mesh = depth_to_mesh(depth, facing, found.albedo, camera)
+    notes = _notes(capture, found, known)
+    summary = {
         "images": len(capture.names),
         "pixels": int(found.mask.sum()),
         "pixels_with_depth": int(facing.sum()),
+        "depth": "height in pixels" if camera is None else "distance in units of its mean",
         "median_expected_error_degrees": float(np.median(found.expected_error[found.mask])),
         **asdict(found.report),
+        **_errors(capture, found),
+        "photographs": capture.names,
+        "notes": notes,
     }
-    if capture.truth is not None:
-        error = angular_errors(found.normals[found.mask], capture.truth[found.mask])
-        summary["mean_angular_error_degrees"] = float(error.mean())
-        summary["median_angular_error_degrees"] = float(np.median(error))
-    prepare_folder(out, [*NAMES, *OTHERS])
-    arrays = (found.normals, found.albedo, depth, found.confidence)
-    for name, array in zip(NAMES, arrays, strict=True):
-        buffer = io.BytesIO()
-        np.save(buffer, array, allow_pickle=False)
-        with atomic_write(out / name) as file:
-            file.write(buffer.getvalue())
-    write_image(out / "mask.png", found.mask.astype(float), bits=8)
-    write_ply(out / "mesh.ply", depth_to_mesh(depth, facing, found.albedo))
-    figure = stereo_figure(capture.images, found.normals, found.albedo, depth, found.mask)
+    figure = stereo_figure(capture.images, found.normals, found.albedo, depth, found.mask, mesh)
+    prepare_folder(out, names)
+    write_surface(out, found, depth, mesh, facing, mesh_format)
     write_figure(out / "figure.png", figure)
     with atomic_write(out / "summary.json") as file:
         file.write(json.dumps(summary, indent=1).encode() + b"\n")
-    for warning in found.report.warnings:
-        output.print(f"note: {warning}", soft_wrap=True)
+    for note in notes:
+        output.print(f"note: {note}", soft_wrap=True)
     for name, value in summary.items():
         if isinstance(value, int | float | str) and not isinstance(value, bool):
             shown = f"{value:.4g}" if isinstance(value, float) else str(value)
             output.print(f"{name.replace('_', ' ')}: {shown}")
     output.print(f"surface in {out}")
+
+
+def _require(option: str, value: str, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise ArgumentError(f"{option} must be one of {', '.join(choices)}, got {value!r}")
+
+
+def _camera(focal: float, shape: tuple[int, ...]) -> "PerspectiveCamera":
+    from harmface.geometry import PerspectiveCamera
+
+    rows, columns = shape
+    field_of_view = float(2 * np.degrees(np.arctan(rows / 2 / focal)))
+    return PerspectiveCamera((0.0, 0.0, 0.0), field_of_view, (rows, columns))
+
+
+def _errors(capture: "Capture", found: "StereoResult") -> dict[str, float]:
+    """Return the errors of the normals, if the true ones are known."""
+    from harmface.stereo import angular_errors
+
+    if capture.truth is None:
+        return {}
+    error = angular_errors(found.normals[found.mask], capture.truth[found.mask])
+    return {
+        "mean_angular_error_degrees": float(error.mean()),
+        "median_angular_error_degrees": float(np.median(error)),
+    }
+
+
+def _notes(capture: "Capture", found: "StereoResult", known: bool) -> list[str]:
+    """Return what the user should know of the photographs and the result."""
+    from harmface.stereo import seems_upside_down
+
+    notes = [*capture.notes, *found.report.warnings]
+    if capture.lights is not None and not known:
+        notes.append("the directions of the lights are not used: --method known-lights does that")
+    if known and seems_upside_down(found.normals, found.mask):
+        notes.append(
+            "the normals fit a surface better upside down: the lights' y axis must point up; "
+            "negate y if it points down"
+        )
+    if capture.saturated > MANY_SATURATED:
+        notes.append(
+            f"{capture.saturated:.0%} of the observations are saturated: expose less, as what is "
+            "clipped bends the surface"
+        )
+    return notes

@@ -11,7 +11,8 @@ from harmface.geometry.depth_frankot_chellappa import depth_frankot_chellappa
 from harmface.geometry.depth_least_squares import depth_least_squares
 from harmface.geometry.gbuffer import GBuffer, gbuffer
 from harmface.geometry.mesh import Mesh, vertex_normals
-from harmface.geometry.surface_mesh import depth_to_mesh
+from harmface.geometry.slopes import facing_camera
+from harmface.geometry.surface_mesh import depth_to_mesh, pixel_coordinates
 from harmface.geometry.visibility import visible
 
 __all__ = [
@@ -23,9 +24,11 @@ __all__ = [
     "depth_frankot_chellappa",
     "depth_least_squares",
     "depth_to_mesh",
+    "facing_camera",
     "frame_orthographic",
     "frame_perspective",
     "gbuffer",
+    "pixel_coordinates",
     "vertex_normals",
     "visible",
 ]

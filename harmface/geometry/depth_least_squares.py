@@ -9,12 +9,18 @@ References
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.sparse import coo_array, csr_array, diags_array
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu
 
 from harmface import checks
 from harmface.errors import ArgumentError
-from harmface.geometry.camera import Camera, PerspectiveCamera, pixel_grid
-from harmface.geometry.slopes import checked_normals, slopes_along_rays
+from harmface.geometry.camera import Camera, PerspectiveCamera
+from harmface.geometry.slopes import (
+    checked_normals,
+    focal_pixel,
+    slopes_along_rays,
+    towards_camera,
+    view_slopes,
+)
 
 ROUNDS = 5
 """Reweightings against discontinuities."""
@@ -72,10 +78,9 @@ def depth_least_squares(
     if camera is not None and camera.shape != mask.shape:
         raise ArgumentError(f"camera must have the normals' size {mask.shape}, got {camera.shape}")
     slopes = np.zeros((2, *mask.shape))
-    if isinstance(camera, PerspectiveCamera):
-        slopes[:, mask] = _logarithmic_slopes(n, mask, camera)
-    else:
-        slopes[:, mask] = -slopes_along_rays(n, n[:, 2])
+    view = view_slopes(mask.shape, camera)[:, mask]
+    slopes[:, mask] = slopes_along_rays(n, towards_camera(n, view))
+    slopes *= focal_pixel(camera) if isinstance(camera, PerspectiveCamera) else -1
     sure = np.ones(mask.shape) if weights is None else checks.non_negative("weights", weights)
     if sure.shape != mask.shape:
         raise ArgumentError(f"weights must have the normals' size {mask.shape}, got {sure.shape}")
@@ -93,15 +98,6 @@ def depth_least_squares(
     else:
         height[mask] = z * (1.0 if camera is None else camera.height / camera.shape[0])
     return height.astype(normals.dtype)
-
-
-def _logarithmic_slopes(
-    n: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], camera: PerspectiveCamera
-) -> Float[np.ndarray, "2 p"]:
-    """Return the derivatives of log d per pixel."""
-    pixel = 2 * np.tan(np.radians(camera.vertical_field_of_view) / 2) / camera.shape[0]
-    x, y = (pixel * axis.reshape(mask.shape)[mask] for axis in pixel_grid(camera.shape, 1))
-    return pixel * slopes_along_rays(n, n[:, 2] - x * n[:, 0] - y * n[:, 1])
 
 
 def _pairs(
@@ -142,4 +138,11 @@ def _solved(
     weighted = steps.T @ diags_array(weight)
     anchor = ANCHOR * max(float(weight.mean()) if weight.size else 0.0, 1.0)
     normal = weighted @ steps + anchor * diags_array(np.ones(steps.shape[1]))
-    return np.atleast_1d(spsolve(normal.tocsc(), weighted @ rise))
+    # Positive definite, so no pivoting: the symmetric ordering fills in half as much as another.
+    factors = splu(
+        normal.tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    return np.asarray(factors.solve(weighted @ rise))

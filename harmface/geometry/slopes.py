@@ -5,6 +5,7 @@ from jaxtyping import Bool, Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.geometry.camera import Camera, PerspectiveCamera, pixel_grid
 
 STEEPEST = 20.0
 """Largest slope believed, 87 degrees: a pixel on an outline would outweigh all others."""
@@ -35,6 +36,45 @@ def checked_normals(
     if not mask.any():
         raise ArgumentError("mask must cover at least one pixel, got an empty one")
     return checks.unit_vectors("normals", normals[mask]).astype(np.float64), mask
+
+
+def focal_pixel(camera: PerspectiveCamera) -> float:
+    """Return the size of a pixel in units of the focal length."""
+    return float(2 * np.tan(np.radians(camera.vertical_field_of_view) / 2) / camera.shape[0])
+
+
+def view_slopes(shape: tuple[int, ...], camera: Camera | None) -> Float[np.ndarray, "2 H W"]:
+    """Return X and Y of what each pixel sees at z = -1: rays are (X, Y, -1), zero if parallel."""
+    if not isinstance(camera, PerspectiveCamera):
+        return np.zeros((2, *shape))
+    rows, columns = camera.shape
+    return focal_pixel(camera) * np.stack(pixel_grid((rows, columns), 1)).reshape(2, rows, columns)
+
+
+def towards_camera(
+    normals: Float[np.ndarray, "*pixels 3"], view: Float[np.ndarray, "2 *pixels"]
+) -> Float[np.ndarray, "*pixels"]:
+    """Return the part of each normal along its ray, back to the camera: `n_z - X n_x - Y n_y`."""
+    return normals[..., 2] - view[0] * normals[..., 0] - view[1] * normals[..., 1]
+
+
+def facing_camera(
+    normals: Float[np.ndarray, "H W 3"],
+    mask: Bool[np.ndarray, "H W"],
+    camera: Camera | None = None,
+) -> Bool[np.ndarray, "H W"]:
+    """Return the pixels of a mask whose normals face the camera: only those have a depth.
+
+    Parameters
+    ----------
+    normals
+        Unit normals.
+    mask
+        The surface.
+    camera
+        The view; orthographic if not given.
+    """
+    return mask & (towards_camera(normals, view_slopes(mask.shape, camera)) > 0)
 
 
 def slopes_along_rays(

@@ -1,7 +1,7 @@
 """Files: every byte from outside is checked here, every file written is whole or not there."""
 
 from harmface.io.atomic import atomic_write
-from harmface.io.captures import Capture, read_capture, read_lights, read_mask
+from harmface.io.captures import Capture, read_capture, read_mask
 from harmface.io.coefficients import read_coefficients, write_coefficients
 from harmface.io.datasets import Dataset, read_dataset
 from harmface.io.environment_maps import (
@@ -12,7 +12,8 @@ from harmface.io.environment_maps import (
 from harmface.io.folders import prepare_folder
 from harmface.io.galleries import read_gallery, write_gallery
 from harmface.io.images import read_image, write_image
-from harmface.io.meshes import read_mesh, write_ply
+from harmface.io.light_files import Lights, read_lights
+from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import (
     Photograph,
@@ -21,10 +22,13 @@ from harmface.io.photo_sets import (
     read_photographs,
 )
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
+from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
 
 __all__ = [
+    "MESH_FILES",
     "Capture",
     "Dataset",
+    "Lights",
     "Photograph",
     "atomic_write",
     "choose_gallery",
@@ -43,11 +47,15 @@ __all__ = [
     "read_npz",
     "read_photographs",
     "read_probe_grid",
+    "surface_files",
     "write_coefficients",
     "write_environment_map",
     "write_gallery",
+    "write_glb",
     "write_image",
     "write_npz",
+    "write_obj",
     "write_ply",
     "write_probe_grid",
+    "write_surface",
 ]

@@ -1,21 +1,24 @@
 """Photographs of one still object under changing light, with what is known of them."""
 
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
-from harmface import checks
 from harmface.conventions import luminance
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import FileError
 from harmface.io.files import read_bytes
 from harmface.io.images import read_image
+from harmface.io.light_files import Lights, read_lights, read_table
+from harmface.io.photo_folders import LIGHT_FILES, Sorted, photographs_in, sort_photographs
 from harmface.io.photo_sets import yale_light
 
-_SUFFIXES = (".png", ".tif", ".tiff", ".pgm", ".jpg", ".jpeg", ".bmp")
+SATURATED = 1 - 2**-17
+"""Values from which a photograph is saturated: the largest code only, at 16 bits too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,29 +30,43 @@ class Capture:
     names
         File of each photograph.
     images
-        Linear luminance; divided by the lights' intensities where these are known.
+        Linear luminance, float32; divided by the lights' intensities where these are known.
+    saturated
+        Share of the observations within the mask that are saturated in any channel.
     mask
         The object, if a mask came with it.
     lights
         Unit direction to the light of each photograph, if known.
     truth
         True unit normals, if known; zero in the background.
+    notes
+        What to know of how the files were read.
     """
 
     names: tuple[str, ...]
     images: Float[np.ndarray, "F H W"]
+    saturated: float
     mask: Bool[np.ndarray, "H W"] | None
     lights: Float[np.ndarray, "F 3"] | None
     truth: Float[np.ndarray, "H W 3"] | None
+    notes: tuple[str, ...]
 
 
-def read_capture(paths: list[Path], *, srgb: bool = False) -> Capture:
+def read_capture(
+    paths: list[Path],
+    *,
+    srgb: bool = False,
+    mask: Path | None = None,
+    lights: Path | None = None,
+    report: Callable[[float], None] = lambda done: None,
+) -> Capture:
     """Read photographs given as files, or as one folder.
 
     A folder with `filenames.txt` is in the DiLiGenT layout: `light_directions.txt`,
-    `light_intensities.txt`, `mask.png` and `Normal_gt.mat` are read where they are. Names of the
-    Extended Yale B database tell their lights. Of any other folder all photographs are read, and
-    `mask.png` as the mask.
+    `light_intensities.txt` (a number or one for each channel), `mask.png` and `Normal_gt.mat` are
+    read where they are. Of any other folder all photographs are read, `lights.txt` or
+    `light_directions.txt`, and the mask, see `sort_photographs`. Names of the Extended Yale B
+    database tell their lights.
 
     Parameters
     ----------
@@ -57,6 +74,12 @@ def read_capture(paths: list[Path], *, srgb: bool = False) -> Capture:
         Photographs, or one folder of them.
     srgb
         Whether values are encoded in sRGB and should be made linear.
+    mask
+        The mask's file; found among the photographs if not given.
+    lights
+        The lights' file, see `read_lights`; found in the folder if not given.
+    report
+        Told the fraction of the photographs that have been read.
 
     Raises
     ------
@@ -64,110 +87,127 @@ def read_capture(paths: list[Path], *, srgb: bool = False) -> Capture:
         If a file is missing or broken, sizes differ, or counts disagree.
     """
     folder = paths[0] if len(paths) == 1 and paths[0].is_dir() else None
-    if folder is None:
-        return _capture(paths, None, srgb)
-    if (folder / "filenames.txt").exists():
-        return _diligent(folder, srgb)
-    files = sorted(
-        path
-        for path in folder.iterdir()
-        if path.suffix.lower() in _SUFFIXES and path.name != "mask.png"
+    if folder is not None and (folder / "filenames.txt").exists():
+        found = Sorted(_listed(folder), mask or _existing(folder, "mask.png"), ())
+    else:
+        found = sort_photographs(paths if folder is None else photographs_in(folder), mask)
+    files = found.photographs
+    light_file = lights or (None if folder is None else _existing(folder, *LIGHT_FILES))
+    known = _named_lights(files) if light_file is None else read_lights(light_file, len(files))
+    intensities = _intensities(folder, known, len(files))
+    images, saturated = _stack(files, intensities, srgb, report)
+    mask_image = None
+    if found.mask is not None:
+        mask_image = read_mask(found.mask)
+        if mask_image.shape != saturated.shape:
+            raise _other_size(found.mask, mask_image, files[0], saturated)
+        saturated = saturated[mask_image]
+    truth = None if folder is None else _existing(folder, "Normal_gt.mat")
+    return Capture(
+        tuple(path.name for path in files),
+        images,
+        float(saturated.mean() / len(files)),
+        mask_image,
+        None if known is None else known.directions,
+        None if truth is None else _matlab_normals(truth),
+        (*found.notes, *(() if known is None else known.notes), *_encoding_notes(files, srgb)),
     )
-    files = [path for path in files if "_Ambient" not in path.name]
-    if not files:
-        raise FileError(f"{folder}: holds no photographs; give PNG, TIFF, PGM or JPEG files")
-    mask = folder / "mask.png"
-    return _capture(files, mask if mask.exists() else None, srgb)
 
 
 def read_mask(path: Path | str) -> Bool[np.ndarray, "H W"]:
-    """Read a mask: True where an image is at least half white."""
-    image = read_image(path)
-    return np.asarray((image.mean(axis=-1) if image.ndim == 3 else image) >= 0.5)
-
-
-def read_lights(path: Path | str, count: int) -> Float[np.ndarray, "F 3"]:
-    """Read light directions: a text file of three numbers a line, one line for each image.
+    """Read a mask: True where an image is at least half as bright as at its brightest.
 
     Raises
     ------
     FileError
-        If the file is no such text, the number of lines is not `count`, or a direction is zero.
+        If the file is no image, or black everywhere.
     """
-    table = _table(Path(path))
-    if table.shape != (count, 3):
-        raise FileError(
-            f"{path}: holds {table.shape[0]} lines of {table.shape[1]} numbers, but {count} images "
-            "need a line of three each"
-        )
-    lengths = np.linalg.norm(table, axis=1, keepdims=True)
-    if not lengths.all():
-        raise FileError(f"{path}: holds a direction of length zero")
-    return table / lengths
+    image = read_image(path)
+    grey = image.mean(axis=-1) if image.ndim == 3 else image
+    if not grey.any():
+        raise FileError(f"{path}: is an empty mask, black everywhere; paint the object white")
+    return np.asarray(grey >= grey.max() / 2)
 
 
-def _capture(files: list[Path], mask: Path | None, srgb: bool) -> Capture:
-    images = _images(files, srgb)
-    named = [yale_light(path.name) for path in files]
-    known = [light for light in named if light is not None]
-    lights = np.array(known) if len(known) == len(files) else None
-    grey = [luminance(image) if image.ndim == 3 else image for image in images]
-    return Capture(
-        tuple(path.name for path in files),
-        np.stack(grey),
-        None if mask is None else read_mask(mask),
-        lights,
-        None,
-    )
+def _existing(folder: Path, *names: str) -> Path | None:
+    """Return the first of the files that exists."""
+    return next((folder / name for name in names if (folder / name).exists()), None)
 
 
-def _images(files: list[Path], srgb: bool) -> list[np.ndarray]:
-    images = [read_image(path, srgb=srgb) for path in files]
-    for path, image in zip(files, images, strict=True):
-        if image.shape[:2] != images[0].shape[:2]:
-            raise FileError(
-                f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, {files[0].name} has "
-                f"{images[0].shape[0]} x {images[0].shape[1]}; photographs must be of one size"
-            )
-    return images
-
-
-def _diligent(folder: Path, srgb: bool) -> Capture:
-    listed = read_bytes(folder / "filenames.txt").decode("utf-8", "replace").split()
-    if not listed or any(Path(name).name != name for name in listed):
+def _listed(folder: Path) -> list[Path]:
+    names = read_bytes(folder / "filenames.txt").decode("utf-8", "replace").split()
+    if not names or any(Path(name).name != name for name in names):
         raise FileError(f"{folder / 'filenames.txt'}: must list plain file names")
-    images = _images([folder / name for name in listed], srgb)
-    lights = intensities = None
-    if (folder / "light_directions.txt").exists():
-        lights = read_lights(folder / "light_directions.txt", len(listed))
-    if (folder / "light_intensities.txt").exists():
-        intensities = _table(folder / "light_intensities.txt")
-        if len(intensities) != len(listed) or not (intensities > 0).all():
-            raise FileError(
-                f"{folder / 'light_intensities.txt'}: must hold a positive line for each image"
-            )
-    grey = []
-    for number, image in enumerate(images):
-        channels = image if image.ndim == 3 else image[..., None]
-        scale = 1.0 if intensities is None else intensities[number]
-        grey.append((channels / scale).mean(axis=-1))
-    mask, truth = folder / "mask.png", folder / "Normal_gt.mat"
-    return Capture(
-        tuple(listed),
-        np.stack(grey),
-        read_mask(mask) if mask.exists() else None,
-        lights,
-        _matlab_normals(truth) if truth.exists() else None,
+    return [folder / name for name in names]
+
+
+def _named_lights(files: list[Path]) -> Lights | None:
+    """Return the lights that names of the Extended Yale B database tell."""
+    directions = [light for path in files if (light := yale_light(path.name)) is not None]
+    return Lights(np.array(directions), None) if len(directions) == len(files) else None
+
+
+def _intensities(
+    folder: Path | None, lights: Lights | None, count: int
+) -> Float[np.ndarray, "F channels"] | None:
+    """Return the intensity of each light, one for all channels or one for each."""
+    if lights is not None and lights.intensities is not None:
+        return lights.intensities[:, None]
+    path = None if folder is None else _existing(folder, "light_intensities.txt")
+    if path is None:
+        return None
+    table = read_table(path)
+    if len(table) != count or table.shape[1] not in (1, 3) or not (table > 0).all():
+        raise FileError(
+            f"{path}: must hold one positive number, or three, for each of the {count} images"
+        )
+    return table
+
+
+def _stack(
+    files: list[Path],
+    intensities: Float[np.ndarray, "F channels"] | None,
+    srgb: bool,
+    report: Callable[[float], None],
+) -> tuple[Float[np.ndarray, "F H W"], Int[np.ndarray, "H W"]]:
+    """Return the photographs in one channel, and how often each pixel is saturated."""
+    first = read_image(files[0])
+    stack = np.empty((len(files), *first.shape[:2]), np.float32)
+    saturated = np.zeros(first.shape[:2], int)
+    for number, path in enumerate(files):
+        image = read_image(path, srgb=srgb)
+        if image.shape[:2] != saturated.shape:
+            raise _other_size(path, image, files[0], saturated)
+        full = image >= SATURATED
+        if 0 < full.mean() < 1 and (full | (image == 0)).all():
+            raise FileError(f"{path}: is black and white only; if it is a mask, give it as --mask")
+        saturated += full if image.ndim == 2 else full.any(axis=-1)
+        stack[number] = _one_channel(image, None if intensities is None else intensities[number])
+        report((number + 1) / len(files))
+    return stack, saturated
+
+
+def _one_channel(
+    image: Float[np.ndarray, "H W *channels"], intensity: Float[np.ndarray, "channels"] | None
+) -> Float[np.ndarray, "H W"]:
+    """Return luminance over intensity; the mean of the channels if each has its intensity."""
+    if intensity is None or len(intensity) == 1:
+        grey = luminance(image) if image.ndim == 3 else image
+        return grey if intensity is None else grey / intensity
+    return (image[..., None] / intensity if image.ndim == 2 else image / intensity).mean(axis=-1)
+
+
+def _other_size(path: Path, image: np.ndarray, first: Path, like: np.ndarray) -> FileError:
+    return FileError(
+        f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, {first.name} has "
+        f"{like.shape[0]} x {like.shape[1]}; photographs and mask must be of one size"
     )
 
 
-def _table(path: Path) -> Float[np.ndarray, "rows columns"]:
-    text = read_bytes(path).decode("utf-8", "replace")
-    try:
-        rows = [[float(number) for number in line.split()] for line in text.splitlines() if line]
-        return checks.finite("values", np.array([row for row in rows if row], float, ndmin=2))
-    except (ArgumentError, ValueError) as error:
-        raise FileError(f"{path}: is not a table of numbers ({error})") from None
+def _encoding_notes(files: list[Path], srgb: bool) -> tuple[str, ...]:
+    if srgb or not any(path.suffix.lower() in (".jpg", ".jpeg") for path in files):
+        return ()
+    return ("JPEG files are hardly ever linear; if these come from a camera, say --gamma srgb",)
 
 
 def _matlab_normals(path: Path) -> Float[np.ndarray, "H W 3"]:

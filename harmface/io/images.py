@@ -1,4 +1,4 @@
-"""Photographs and rendered images: PNG, PGM, PPM, TIFF and JPEG, 8 or 16 bits."""
+"""Photographs and rendered images: PNG, PGM, PPM, TIFF, TGA and JPEG, 8 or 16 bits."""
 
 import warnings
 from io import BytesIO
@@ -16,7 +16,7 @@ from harmface.io.files import read_bytes
 from harmface.io.opencv import quiet_opencv
 
 FORMATS = ("PNG", "PPM", "TIFF", "JPEG", "BMP")
-"""Formats as Pillow names them; PPM includes PGM."""
+"""Formats that their first bytes tell, as Pillow names them; PPM includes PGM."""
 
 MAX_PIXELS = 2**27
 """Largest image decoded: 134 megapixels."""
@@ -28,7 +28,7 @@ def read_image(path: Path | str, *, srgb: bool = False) -> Float[np.ndarray, "H 
     Parameters
     ----------
     path
-        A PNG, PGM, PPM, TIFF, JPEG or BMP file of 8 or 16 bits, grey or RGB.
+        A PNG, PGM, PPM, TIFF, TGA, JPEG or BMP file of 8 or 16 bits, grey or RGB.
     srgb
         Whether values are encoded in sRGB and should be made linear; they are taken as linear
         otherwise.
@@ -41,16 +41,13 @@ def read_image(path: Path | str, *, srgb: bool = False) -> Float[np.ndarray, "H 
     Raises
     ------
     FileError
-        If the file is missing, no such image, broken, too large or partly transparent.
+        If the file is missing, no such image, broken, too large, partly transparent or of
+        several pages.
     """
     path = Path(path)
     data = read_bytes(path)
-    _validate(path, data)
-    # OpenCV is slow to import and only wanted here: Pillow cannot decode RGB of 16 bits.
-    import cv2
-
-    with quiet_opencv():
-        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    picture = _validated(path, data)
+    pixels = _targa(picture, data) if picture.format == "TGA" else _by_opencv(data)
     if pixels is None or pixels.dtype not in (np.uint8, np.uint16):
         raise FileError(f"{path}: is not an image of 8 or 16 bits a channel; convert it to PNG")
     limit = np.iinfo(pixels.dtype).max
@@ -109,7 +106,26 @@ def write_image(
         file.write(encoded.tobytes())
 
 
-def _validate(path: Path, data: bytes) -> None:
+def _by_opencv(data: bytes) -> np.ndarray | None:
+    """Return codes as OpenCV has them: blue, green, red; None if it cannot decode them."""
+    # OpenCV is slow to import and only wanted here: Pillow cannot decode RGB of 16 bits.
+    import cv2
+
+    with quiet_opencv():
+        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+
+
+def _targa(picture: Image.Image, data: bytes) -> np.ndarray:
+    """Return the codes of a TGA file as OpenCV would, which cannot read it."""
+    alpha_bits = data[17] & 15
+    if picture.mode in ("1", "L", "LA") and not (picture.mode == "LA" and alpha_bits):
+        return np.asarray(picture.convert("L"))
+    # Files of 32 bits a pixel often leave the fourth byte empty, and say that it is no alpha.
+    codes = np.asarray(picture.convert("RGBA" if alpha_bits else "RGB"))
+    return codes[..., [2, 1, 0, 3][: codes.shape[-1]]]
+
+
+def _validated(path: Path, data: bytes) -> Image.Image:
     """Decode with Pillow, which raises on any damage where OpenCV would guess on."""
     too_large = FileError(
         f"{path}: has more pixels than the limit of {MAX_PIXELS}; make the image smaller"
@@ -119,11 +135,15 @@ def _validate(path: Path, data: bytes) -> None:
             # Pillow only warns of tags that lie, and of sizes that are below its own cap.
             warnings.simplefilter("error", UserWarning)
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            with Image.open(BytesIO(data), formats=FORMATS) as picture:
-                width, height = picture.size
-                if width * height > MAX_PIXELS:
-                    raise too_large
-                picture.load()
+            # A TGA file has no signature, so only its name tells.
+            formats = ("TGA",) if path.suffix.lower() == ".tga" else FORMATS
+            picture = Image.open(BytesIO(data), formats=formats)
+            if picture.width * picture.height > MAX_PIXELS:
+                raise too_large
+            if picture.format == "TIFF" and getattr(picture, "n_frames", 1) > 1:
+                raise FileError(f"{path}: holds several pages; save each as a file of its own")
+            picture.load()
+            return picture
     except Image.DecompressionBombError:
         raise too_large from None
     except FileError:
@@ -143,5 +163,5 @@ def _validate(path: Path, data: bytes) -> None:
             reason = "its bytes are of no image format"
         raise FileError(
             f"{path}: cannot be read as an image ({reason}); "
-            f"give one of {', '.join(FORMATS)}, undamaged"
+            f"give one of {', '.join(FORMATS)} or TGA, undamaged"
         ) from None

@@ -1,4 +1,4 @@
-"""Meshes from PLY, OBJ, GLB and STL files, and to PLY, by way of trimesh."""
+"""Meshes from PLY, OBJ, GLB and STL files, and to PLY, GLB and OBJ, by way of trimesh."""
 
 import json
 import re
@@ -111,15 +111,75 @@ def write_ply(path: Path | str, mesh: Mesh) -> None:
     mesh
         What to write; positions and normals are stored in single precision.
     """
-    surface = trimesh.Trimesh(
+    with atomic_write(path) as file:
+        file.write(trimesh.exchange.ply.export_ply(_painted(mesh), vertex_normal=True))
+
+
+def write_glb(path: Path | str, mesh: Mesh) -> None:
+    """Write a mesh as GLB, linear albedo as 8-bit vertex colours, which glTF says are linear.
+
+    Parameters
+    ----------
+    path
+        The file to make or replace.
+    mesh
+        What to write; positions and normals are stored in single precision.
+    """
+    scene = trimesh.Scene(_painted(mesh))
+    data = trimesh.exchange.gltf.export_glb(scene, include_normals=True)
+    with atomic_write(path) as file:
+        file.write(data)
+
+
+def write_obj(
+    path: Path | str,
+    mesh: Mesh,
+    texture: Float[np.ndarray, "H W"] | Float[np.ndarray, "H W 3"],
+    uv: Float[np.ndarray, "V 2"],
+) -> None:
+    """Write a mesh as OBJ, with an MTL file and a PNG texture of the same name beside it.
+
+    Parameters
+    ----------
+    path
+        The file to make or replace, `.obj`.
+    mesh
+        What to write; its own albedo is not, as OBJ has no vertex colours.
+    texture
+        Linear albedo in [0, 1], stored in 8 bits as it is.
+    uv
+        Texture coordinates of each vertex, v upwards.
+    """
+    path = Path(path)
+    if len(uv) != len(mesh.vertices):
+        raise ArgumentError(f"uv must be given for {len(mesh.vertices)} vertices, got {len(uv)}")
+    picture = Image.fromarray(np.round(np.clip(texture, 0, 1) * 255).astype(np.uint8))
+    material = trimesh.visual.material.SimpleMaterial(image=picture, name=path.stem)
+    visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
+    surface = trimesh.Trimesh(mesh.vertices, mesh.faces, visual=visual, process=False)
+    surface.vertex_normals = mesh.normals
+    text, others = trimesh.exchange.obj.export_obj(
+        surface,
+        include_normals=True,
+        return_texture=True,
+        mtl_name=f"{path.stem}.mtl",
+        header=None,
+    )
+    # The mesh comes last: where it is, its texture is too.
+    for name, data in [*others.items(), (path.name, text.encode())]:
+        with atomic_write(path.with_name(name)) as file:
+            file.write(data)
+
+
+def _painted(mesh: Mesh) -> trimesh.Trimesh:
+    """Return a mesh as trimesh has it, with vertex colours."""
+    return trimesh.Trimesh(
         vertices=mesh.vertices,
         faces=mesh.faces,
         vertex_normals=mesh.normals,
         vertex_colors=np.round(mesh.albedo * 255).astype(np.uint8),
         process=False,
     )
-    with atomic_write(path) as file:
-        file.write(trimesh.exchange.ply.export_ply(surface, vertex_normal=True))
 
 
 def _arrays(

@@ -1,3 +1,4 @@
+import csv
 import json
 
 import numpy as np
@@ -73,6 +74,46 @@ def test_people_are_recognised_under_the_grid(run, yale, gallery):
     assert best["seconds_per_probe"] > 0
 
 
+def test_a_table_a_figure_and_the_protocol_are_written(run, yale, tmp_path):
+    arguments = ("evaluate", yale, "--methods", "subspace,tan-triggs+nearest", "--out", "report")
+    (tmp_path / "yale" / "yaleB02" / "yaleB02_P00A+010E+00.pgm").write_bytes(b"junk")
+    outcome = run(*arguments, "--skip-bad", "--json", "--size", "24x21")
+    assert outcome.code == 0
+    record = json.loads((tmp_path / "report" / "results.json").read_text())
+    assert record == json.loads(outcome.out)
+    protocol = record["protocol"]
+    assert protocol["subjects"] == PEOPLE
+    assert protocol["rows_and_columns"] == [24, 21]
+    assert len(protocol["enrolled"]) == record["images_enrolled"] == 9 * PEOPLE
+    assert protocol["enrolled"][0].startswith("yaleB01/yaleB01_P00A")
+    assert "yaleB02_P00A+010E+00.pgm" in protocol["skipped"][0]
+    assert set(protocol["versions"]) >= {"harmface", "numpy", "scikit-learn"}
+    with (tmp_path / "report" / "table.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["subset"] for row in rows] == 2 * ["1", "2", "3", "4", "5", "all"]
+    for row in rows:
+        found = record["methods"][row["method"]]
+        found = found if row["subset"] == "all" else found["subsets"][row["subset"]]
+        assert (int(row["errors"]), int(row["probes"])) == (found["errors"], found["probes"])
+        assert float(row["rate"]) == found["errors"] / found["probes"]
+        assert float(row["rate_low"]) <= float(row["rate"]) <= float(row["rate_high"])
+    for found in record["methods"].values():
+        assert found["probes"] == PEOPLE * 55 - 1
+        match = found["cumulative_match"]
+        assert match[0] == pytest.approx(1 - found["errors"] / found["probes"])
+        assert match[-1] == 1
+        for curve in found["roc"].values():
+            assert curve == sorted(curve)
+    with Image.open(tmp_path / "report" / "figure.png") as image:
+        assert image.width > 1000
+    # The same again replaces what it wrote; another folder's files stay.
+    assert run(*arguments, "--skip-bad").code == 0
+    (tmp_path / "report" / "mine.txt").write_text("kept")
+    outcome = run(*arguments, "--skip-bad")
+    assert outcome.code == 2
+    assert "holds other files (mine.txt)" in outcome.err
+
+
 def test_a_folder_for_each_subject(run, photographs, tmp_path):
     frontal = np.flatnonzero(yale64().subset <= 2)
     for name, stack in zip("abc", photographs, strict=False):
@@ -84,7 +125,10 @@ def test_a_folder_for_each_subject(run, photographs, tmp_path):
     assert json.loads(found.out)["methods"]["subspace"]["errors"] == 0
     names = [path.name for path in sorted((tmp_path / "people" / "a").iterdir())[:5]]
     (tmp_path / "list.txt").write_text("\n".join(names))
-    assert "errors" in run(*common, "--gallery", "list.txt").out
+    listed = run(*common, "--gallery", "list.txt").out
+    # Without lights there are no subsets, but all probes.
+    assert listed.count("of 42") == 1
+    assert "all" in listed
 
 
 def test_bad_input_is_refused(run, yale, check_refused, tmp_path):
@@ -94,6 +138,7 @@ def test_bad_input_is_refused(run, yale, check_refused, tmp_path):
     check_refused("is not a folder", "evaluate", "nowhere")
     check_refused("fewer than two subjects", "evaluate", "empty")
     check_refused("method must be one of", *evaluate, "--methods", "magic")
+    check_refused("method must be one of", *evaluate, "--methods", "best,")
     check_refused("HxW", *evaluate, "--size", "48")
     check_refused("whole number", *evaluate, "--gallery", "first:x")
     check_refused("leaves no probe", *evaluate, "--gallery", "first:64")
@@ -102,6 +147,7 @@ def test_bad_input_is_refused(run, yale, check_refused, tmp_path):
     spoilt = tmp_path / "yale" / "yaleB01" / "yaleB01_P00A+010E-20.pgm"
     spoilt.write_bytes(b"P5 nonsense")
     check_refused("yaleB01_P00A.010E-20.pgm: cannot be read", *evaluate)
+    check_refused("cannot be read", *evaluate, "--out", "report")
     outcome = run(*evaluate, "--skip-bad", "--methods", "correlation", "--json")
     assert outcome.code == 0
     assert json.loads(outcome.out)["skipped"] == 1
@@ -110,6 +156,10 @@ def test_bad_input_is_refused(run, yale, check_refused, tmp_path):
     check_refused("shows nothing", *evaluate)
     Image.fromarray(np.arange(100, dtype=np.uint8).reshape(10, 10)).save(spoilt)
     check_refused("has 10 x 10 pixels", *evaluate)
+    spoilt.unlink()
+    (tmp_path / "yale" / "again").mkdir()
+    (tmp_path / "yale" / "again" / "yaleB01_P00A+000E+00.pgm").write_bytes(b"P5")
+    check_refused("second folder of subject 'yaleB01'", *evaluate)
 
 
 def test_lights_are_needed_for_galleries_by_light(photographs, check_refused, tmp_path):

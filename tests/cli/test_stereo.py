@@ -7,7 +7,7 @@ from scipy.io import savemat
 from data_synth.lightings import uniform_directional
 from data_synth.shapes import bumpy_sphere
 from harmface.geometry import frame_orthographic, gbuffer
-from harmface.io import read_mesh, write_image
+from harmface.io import read_image, read_mesh, write_image
 from harmface.rendering import render
 from harmface.reproduce.synthetic import light_of, mesh_of
 
@@ -50,12 +50,45 @@ def test_known_lights_recover_the_surface(run, capture, tmp_path):
 def test_unknown_light_recovers_a_surface(run, capture, tmp_path):
     files = sorted(capture.glob("0*.png"))
     outcome = run(
-        *("stereo", *files, "--mask", capture / "mask.png", "--method", "4d", "--out", "surface")
+        *("stereo", *files, "--mask", capture / "mask.png", "--method", "4d", "--out", "surface"),
+        *("--lights", capture / "light_directions.txt"),
     )
     assert outcome.code == 0
+    assert "note: the directions of the lights are not used" in outcome.out
     summary = json.loads((tmp_path / "surface" / "summary.json").read_text())
     assert summary["method"] == "first order"
     assert "mean_angular_error_degrees" not in summary
+
+
+@pytest.mark.parametrize("form", ["obj", "glb"])
+def test_other_meshes_and_views_are_written(run, capture, tmp_path, form):
+    known = ("stereo", "ball", "--method", "known-lights", "--focal", "60")
+    outcome = run(*known, "--mesh-format", form, "--out", "surface")
+    assert outcome.code == 0
+    mesh = read_mesh(tmp_path / "surface" / f"mesh.{form}")
+    # Distances from the camera, in units of their mean.
+    assert np.ptp(mesh.vertices[:, 2]) > 0.1
+    assert abs(mesh.vertices[:, 2].mean() + 1) < 0.01
+    assert abs(np.median(mesh.albedo) - 0.8) < 0.01
+    again = run(*known, "--out", "surface")
+    assert again.code == 2
+    assert f"holds other files (mesh.{form}" in again.err.replace("mtl", form)
+
+
+def test_what_the_user_should_know_is_said(run, capture, tmp_path):
+    lights = np.loadtxt(capture / "light_directions.txt")
+    np.savetxt(tmp_path / "down.txt", lights * (1, -1, 1))
+    known = ("stereo", "ball", "--method", "known-lights")
+    outcome = run(*known, "--lights", "down.txt", "--out", "down")
+    assert "note: the normals fit a surface better upside down" in outcome.out
+    for path in capture.glob("0*.png"):
+        write_image(path, np.clip(2 * read_image(path), 0, 1), bits=8, srgb=True)
+    outcome = run(*known, "--out", "encoded")
+    notes = json.loads((tmp_path / "encoded" / "summary.json").read_text())["notes"]
+    assert len(notes) == 2
+    assert all(f"note: {note}" in outcome.out for note in notes)
+    assert "look gamma-encoded" in notes[0]
+    assert "of the observations are saturated" in notes[1]
 
 
 @pytest.mark.usefixtures("unchecked")
@@ -70,14 +103,33 @@ def test_bad_input_is_refused(capture, check_refused, tmp_path):
     (tmp_path / "mine" / "thesis.tex").write_text("precious")
     known = ("--method", "known-lights")
     check_refused("method must be one of", *stereo, "--method", "magic")
-    check_refused("linear or srgb", *stereo, "--gamma", "2.2")
+    check_refused("gamma must be one of linear, srgb", *stereo, "--gamma", "2.2")
+    check_refused("mesh-format must be one of ply, obj, glb", *stereo, "--mesh-format", "stl")
+    check_refused("focal must be a positive number", *stereo, "--focal", "-3")
+    check_refused("focal must be a positive number", *stereo, "--focal", "nan")
     check_refused("needs --lights", "stereo", *files, "--out", "s", *known)
     check_refused("1 lines of 3 numbers, but 24", *stereo, *known, "--lights", "short.txt")
     check_refused("not a table of numbers", *stereo, *known, "--lights", "text.txt")
-    check_refused("images", "stereo", *files[:3], "--method", "4d", "--out", "s")
+    check_refused("at least 4, got 3", "stereo", *files[:3], "--method", "4d", "--out", "s")
+    check_refused("at least 9, got 8", "stereo", *files[:8], "--method", "9d", "--out", "s")
+    check_refused("at least 9, got 8", "stereo", *files[:8], "--out", "s")
     check_refused("holds no photographs", "stereo", "mine", "--out", "s")
     check_refused("nothing.png: does not exist", "stereo", "nothing.png", "--out", "s")
-    check_refused("mask", "stereo", *files, "--mask", "small.png", "--out", "s")
+    size = "small.png: has 4 x 4 pixels, 000.png has 48 x 48"
+    check_refused(size, "stereo", *files, "--mask", "small.png", "--out", "s")
+    check_refused(size, "stereo", *files, "small.png", "--out", "s")
+    write_image(tmp_path / "black.png", np.zeros((48, 48)))
+    check_refused(
+        "black.png: is an empty mask", "stereo", *files, "--mask", "black.png", "--out", "s"
+    )
+    (tmp_path / "broken.png").write_bytes(files[0].read_bytes()[:200])
+    check_refused("broken.png: cannot be read", "stereo", *files, "broken.png", "--out", "s")
+    (tmp_path / "alike").mkdir()
+    for number, exposure in enumerate(np.linspace(0.5, 1, 9)):
+        write_image(tmp_path / "alike" / f"{number}.png", exposure * read_image(files[0]))
+    check_refused(r"alike up to exposure \(rank 1\)", "stereo", "alike", "--out", "s")
+    (tmp_path / "behind.txt").write_text("0 0.1 -1\n" * COUNT)
+    check_refused("every light behind", *stereo, *known, "--lights", "behind.txt")
     check_refused(
         "holds other files", "stereo", *files, *known, "--lights", directions, "--out", "mine"
     )

@@ -5,7 +5,8 @@ from harmface.errors import ArgumentError
 from harmface.geometry.camera import OrthographicCamera, PerspectiveCamera, pixel_grid
 from harmface.geometry.depth_frankot_chellappa import depth_frankot_chellappa
 from harmface.geometry.depth_least_squares import depth_least_squares
-from harmface.geometry.surface_mesh import depth_to_mesh
+from harmface.geometry.slopes import facing_camera
+from harmface.geometry.surface_mesh import depth_to_mesh, pixel_coordinates
 
 SIZE = 48
 
@@ -61,20 +62,43 @@ def test_a_camera_gives_its_unit():
     assert np.allclose(depth_least_squares(normals, camera=camera), expected, rtol=0, atol=1e-12)
 
 
-def test_perspective_depth_of_a_sphere():
+def sphere_in_perspective(least_gap):
+    """A unit sphere seen from 4 away, by the quadratic equation of ray and sphere."""
     camera = PerspectiveCamera((0.0, 0.0, 4.0), 30.0, (64, 64))
     _, rays = camera.rays()
     along = -4.0 * rays[:, 2]
     gap = along**2 - 15.0
-    seen = gap > 0.1
+    seen = gap > least_gap
     distance = along - np.sqrt(np.maximum(gap, 0))
     points = np.array([0.0, 0, 4]) + distance[:, None] * rays
     normals = np.where(seen[:, None], points, (0.0, 0.0, 1.0)).reshape(64, 64, 3)
-    mask = seen.reshape(64, 64)
-    depth = depth_least_squares(normals, mask, camera=camera)[mask]
-    truth = -(distance * rays[:, 2])[seen]
+    depth = np.where(seen, -distance * rays[:, 2], 0.0).reshape(64, 64)
+    return camera, seen.reshape(64, 64), normals, depth
+
+
+def test_perspective_depth_of_a_sphere():
+    camera, mask, normals, truth = sphere_in_perspective(0.1)
+    depth = depth_least_squares(normals, mask, camera=camera)
     # Relative: steps of 1 / 119 of the focal length on a unit sphere at a distance of 3.
-    assert np.abs(depth / (truth / truth.mean()) - 1).max() < 2e-3
+    assert np.abs(depth[mask] / (truth[mask] / truth[mask].mean()) - 1).max() < 2e-3
+    mesh = depth_to_mesh(depth * truth[mask].mean(), mask, camera=camera)
+    assert np.abs(np.linalg.norm(mesh.vertices, axis=1) - 1).max() < 3 * 2e-3
+    assert np.einsum("ij,ij->i", mesh.normals, mesh.vertices).min() > 0.95
+
+
+def test_a_perspective_camera_sees_less_of_a_sphere_than_a_parallel_one():
+    camera, mask, normals, _ = sphere_in_perspective(0.0)
+    assert np.array_equal(facing_camera(normals, mask, camera), mask)
+    turned = np.where(mask[..., None], normals - 0.6 * np.array([0, 0, 1]), normals)
+    turned /= np.linalg.norm(turned, axis=-1, keepdims=True)
+    seen, parallel = facing_camera(turned, mask, camera), facing_camera(turned, mask)
+    assert seen.sum() < parallel.sum() < mask.sum()
+
+
+def test_pixel_coordinates_are_the_centres_of_pixels():
+    mask = np.zeros((2, 4), bool)
+    mask[0, 1] = mask[1, 3] = True
+    assert np.array_equal(pixel_coordinates(mask), [[0.375, 0.75], [0.875, 0.25]])
 
 
 def test_discontinuities_are_stepped_over():
@@ -157,6 +181,8 @@ def test_least_squares_refuses(change, message):
         ({"albedo": np.ones((3, 3))}, "albedo must have"),
         ({"albedo": -np.ones((SIZE, SIZE))}, "must not be negative"),
         ({"depth": np.full((SIZE, SIZE), np.nan)}, "finite"),
+        ({"camera": PerspectiveCamera((0.0, 0.0, 1.0), 30.0, (SIZE, SIZE))}, "positive distances"),
+        ({"camera": PerspectiveCamera((0.0, 0.0, 1.0), 30.0, (3, 3))}, "camera must have"),
     ],
 )
 @pytest.mark.usefixtures("unchecked")

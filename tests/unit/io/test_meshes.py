@@ -8,9 +8,9 @@ from PIL import Image
 
 from data_synth.shapes import sphere
 from harmface.conventions import srgb_to_linear
-from harmface.errors import FileError
-from harmface.geometry import vertex_normals
-from harmface.io import read_mesh, write_ply
+from harmface.errors import ArgumentError, FileError
+from harmface.geometry import Mesh, depth_to_mesh, pixel_coordinates, vertex_normals
+from harmface.io import read_mesh, write_glb, write_obj, write_ply
 from harmface.reproduce.synthetic import mesh_of
 
 BALL = mesh_of(sphere())
@@ -26,6 +26,41 @@ def test_ply_keeps_geometry_normals_and_albedo(tmp_path):
     assert np.allclose(found.vertices, BALL.vertices, atol=1e-6)
     assert np.allclose(found.normals, BALL.normals, atol=1e-6)
     assert np.abs(found.albedo - BALL.albedo).max() <= 0.5 / 255 + 1e-12
+
+
+def test_glb_keeps_geometry_normals_and_albedo(tmp_path):
+    colours = np.linspace(0, 1, BALL.albedo.size).reshape(BALL.albedo.shape)
+    write_glb(tmp_path / "a.glb", Mesh(BALL.vertices, BALL.faces, BALL.normals, colours))
+    found = read_mesh(tmp_path / "a.glb")
+    assert np.array_equal(found.faces, BALL.faces)
+    assert np.allclose(found.vertices, BALL.vertices, atol=1e-6)
+    assert np.allclose(found.normals, BALL.normals, atol=1e-6)
+    assert np.abs(found.albedo - colours).max() <= 0.5 / 255 + 1e-12
+
+
+@pytest.mark.parametrize("channels", [(), (3,)])
+def test_obj_keeps_geometry_normals_and_the_texture(tmp_path, channels):
+    mask = np.ones((20, 30), bool)
+    y, x = np.mgrid[:20, :30]
+    albedo = np.broadcast_to(
+        ((x + 2 * y) / 70).reshape(20, 30, *[1] * len(channels)), (20, 30, *channels)
+    )
+    mesh = depth_to_mesh(0.3 * x + np.sin(y), mask, albedo.copy())
+    write_obj(tmp_path / "a.obj", mesh, albedo, pixel_coordinates(mask))
+    assert {path.name for path in tmp_path.iterdir()} == {"a.obj", "a.mtl", "a.png"}
+    found = read_mesh(tmp_path / "a.obj")
+    assert np.array_equal(found.faces, mesh.faces)
+    assert np.allclose(found.vertices, mesh.vertices, atol=1e-6)
+    assert np.allclose(found.normals, mesh.normals, atol=1e-6)
+    # The reader puts a picture's edges, not its border pixels' centres, at 0 and 1: up to half a
+    # pixel's rise, 1 + 2 to 70 ths.
+    assert np.abs(found.albedo - mesh.albedo).max() <= 1.5 / 70 + 1 / 255
+
+
+def test_obj_needs_coordinates_for_every_vertex(tmp_path):
+    with pytest.raises(ArgumentError, match="uv must be given"):
+        write_obj(tmp_path / "a.obj", BALL, np.ones((2, 2)), np.zeros((3, 2)))
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("suffix", ["ply", "obj", "glb", "stl"])

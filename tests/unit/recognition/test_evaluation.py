@@ -2,13 +2,20 @@ import numpy as np
 import pytest
 
 from harmface.errors import ArgumentError
+from harmface.recognition import margins, posteriors
+from harmface.recognition.baselines import recognizer
 from harmface.recognition.evaluation import (
     ErrorRate,
     bootstrap_interval,
     cumulative_match,
+    distances_by,
     errors_by_subset,
+    held_out_distances,
+    independence,
     misnamed,
     receiver_operating,
+    rejection_by_margin,
+    relative_distances,
 )
 
 DISTANCES = np.array([[0.1, 0.5, 0.9], [0.4, 0.2, 0.3], [0.1, 0.2, 0.3], [0.6, 0.5, 0.4]])
@@ -65,9 +72,78 @@ def test_the_same_seed_gives_the_same_interval():
     )
 
 
+def test_relative_distance_is_to_the_nearest_other():
+    found = relative_distances(DISTANCES)
+    assert found[0] == pytest.approx([0.1 / 0.5, 0.5 / 0.1, 0.9 / 0.1])
+    assert found.min(axis=1) == pytest.approx(1 - margins(DISTANCES))
+    assert relative_distances(np.zeros((1, 2))).tolist() == [[1.0, 1.0]]
+
+
+def test_strangers_are_told_by_their_margin_whatever_the_light(rng):
+    """Impostors' ratios are uniform on [0.5, 1], their distances spread over a decade by light."""
+    count, rate = 4000, 0.05
+    scale = 10 ** rng.uniform(-1, 0, count)
+    ratio = rng.uniform(0.5, 1, count)
+    # A column each: the own subject, the nearest other, the second nearest other.
+    distances = np.stack([0.1 * scale, ratio * scale, scale], axis=1)
+    found = rejection_by_margin(distances, np.zeros(count, int), rate)
+    # The 5 % quantile of the ratios, told by 4000 to a standard deviation of 0.0017.
+    assert found.threshold == pytest.approx(0.5 + 0.5 * rate, abs=0.006)
+    assert found.strangers == count
+    assert found.false_accept_rate == pytest.approx(rate, abs=1 / count)
+
+
+def test_independence_is_found_again(rng):
+    """Subjects are drawn from the posteriors of known strength: the likeliest strength is that."""
+    count, strength = 3000, 12.0
+    distances = rng.uniform(0.5, 1, (count, 5))
+    chances = posteriors(distances, strength)
+    truth = (chances.cumsum(axis=1) < rng.random((count, 1))).sum(axis=1)
+    # The Fisher information of the exponent is the mean variance of log d under the posterior.
+    logarithms = np.log(distances)
+    mean = (chances * logarithms).sum(axis=1, keepdims=True)
+    information = (chances * (logarithms - mean) ** 2).sum()
+    assert independence(distances, truth) == pytest.approx(strength, abs=4 / np.sqrt(information))
+
+
+def test_images_that_are_all_told_apart_do_not_make_certain():
+    distances = np.where(np.eye(3) > 0, 0.1, 0.9)
+    chances = posteriors(distances, independence(distances, np.arange(3)))
+    assert np.diag(chances) == pytest.approx(4 / 5, abs=1e-3)
+
+
+def test_held_out_images_do_not_know_themselves(rng):
+    images = rng.random((12, 30))
+    truth = np.tile(np.arange(3), 4)
+    images[3] = images[0] + 0.01
+
+    def train(some, subjects):
+        return recognizer("nearest", (5, 6), 1).fit(some, subjects)
+
+    distances, subjects = held_out_distances(train, images, truth, 2, 100)
+    assert np.bincount(subjects).tolist() == [4, 4, 4]
+    assert distances_by(train(images, truth), images).min() < 1e-12
+    # Dealt out in turn, the first two images of a subject are compared with one another.
+    assert distances[0, 0] == pytest.approx(0.01 * np.sqrt(30))
+    assert distances.min() > 0.05
+    assert len(held_out_distances(train, images, truth, 2, 1)[0]) == 2
+
+
+def test_what_stands_before_a_recogniser_is_done_to_probes(rng):
+    images = rng.random((6, 30))
+    found = recognizer("self-quotient+nearest", (5, 6), 1).fit(images, np.arange(6))
+    assert distances_by(found, 2 * images) == pytest.approx(distances_by(found, images))
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        (lambda: relative_distances(DISTANCES[:, :1]), "two subjects"),
+        (lambda: relative_distances(-DISTANCES), "negative"),
+        (lambda: rejection_by_margin(DISTANCES[:, :2], TRUTH * 0, 0.5), "three subjects"),
+        (lambda: independence(DISTANCES[:, :1], TRUTH * 0), "two subjects"),
+        (lambda: held_out_distances(None, DISTANCES, TRUTH, 2, 9), "at least 2 of every"),
+        (lambda: held_out_distances(None, DISTANCES, TRUTH, 1, 9), "folds must be 2"),
         (lambda: misnamed(DISTANCES, TRUTH[:3]), "each of 4 probes"),
         (lambda: misnamed(DISTANCES, TRUTH + 1), "columns of 3 subjects"),
         (lambda: misnamed(DISTANCES * np.nan, TRUTH), "finite"),

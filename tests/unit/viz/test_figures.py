@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from harmface.errors import FileError
+from harmface.geometry import Mesh, depth_to_mesh
 from harmface.light import EnvironmentMap, project
 from harmface.viz import (
     basis_figure,
@@ -13,8 +14,10 @@ from harmface.viz import (
     figure_bytes,
     modes_figure,
     spectrum_figure,
+    stereo_figure,
     write_figure,
 )
+from harmface.viz.stereo import mesh_picture
 
 
 def pixels(figure):
@@ -69,3 +72,49 @@ def test_an_environment_is_brightest_where_its_lamp_is():
     columns = found.sum(axis=-1)[:, : found.shape[1] // 3]
     inside = columns[30:-10, 10:-10]
     assert inside[:, inside.shape[1] // 2 :].mean() > inside[:, : inside.shape[1] // 2].mean()
+
+
+def test_photometric_stereo_shows_what_came_in_and_what_came_out():
+    y, x = np.mgrid[1:-1:40j, -1:1:40j]
+    mask = x**2 + y**2 < 0.9
+    z = np.sqrt(np.where(mask, 1 - x**2 - y**2, 1))
+    normals = np.where(mask[..., None], np.stack([x, y, z], axis=-1), 0.0)
+    depth = np.where(mask, 20 * z, 0)
+    images = np.arange(1, 10)[:, None, None] * mask.astype(float)
+    figure = stereo_figure(
+        images, normals, mask.astype(float), depth, mask, depth_to_mesh(depth, mask)
+    )
+    titles = [axes.get_title() for axes in figure.axes]
+    assert titles[:5] == ["image 1", "image 3", "image 5", "image 7", "image 9"]
+    assert {"depth", "albedo", "lit from the left", "mesh, from the right"} < set(titles)
+    left, right = (
+        np.asarray(figure.axes[titles.index(f"lit from the {side}")].images[0].get_array())
+        for side in ("left", "right")
+    )
+    assert left[20, 5] > 0.5 > left[20, 34]
+    assert right[20, 34] > 0.5 > right[20, 5]
+
+
+def test_a_mesh_is_seen_from_the_side_that_was_asked_for():
+    # A square in the plane z = 0 with a fin that stands out of it at its right edge.
+    vertices = np.array(
+        [
+            [-1, -1, 0],
+            [1, -1, 0],
+            [1, 1, 0],
+            [-1, 1, 0],
+            [1, 0.6, 0],
+            [1.2, 0.6, 0.9],
+            [1.2, 1, 0.9],
+        ],
+        dtype=float,
+    )
+    faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 2]])[:, ::1]
+    normals = np.tile([0.0, 0, 1], (7, 1))
+    mesh = Mesh(vertices, np.concatenate([faces, faces[2:, ::-1]]), normals, np.ones((7, 3)))
+    above, below = (mesh_picture(mesh, 0, elevation) < 1 for elevation in (40, -40))
+    # From above the fin, which is nearer, hangs lower in the picture; from below it stands higher.
+    assert (
+        np.flatnonzero(above[:, -20:].any(axis=1)).mean()
+        > np.flatnonzero(below[:, -20:].any(axis=1)).mean()
+    )

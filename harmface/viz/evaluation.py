@@ -1,0 +1,79 @@
+"""How recognisers did on the same probes: by lighting subset, by rank, as verification, in time."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, NullFormatter
+
+RANKS = 20
+"""Ranks of the cumulative match that are shown."""
+
+
+def evaluation_figure(methods: Mapping[str, Mapping[str, Any]]) -> Figure:
+    """Return errors by subset with their intervals, cumulative match, ROC, and time per probe.
+
+    Parameters
+    ----------
+    methods
+        What `harmface evaluate` found of each: `subsets` of `errors`, `probes` and `interval`;
+        `cumulative_match`; `roc` of `false_accepts`, `true_accepts` and `true_accepts_relative`;
+        `seconds_per_probe`.
+    """
+    figure = Figure(figsize=(11, 7.2), layout="constrained")
+    (by_subset, by_rank), (verification, time) = figure.subplots(2, 2)
+    colors = {name: f"C{number % 10}" for number, name in enumerate(methods)}
+    _bars(by_subset, methods, colors)
+    for number, (name, found) in enumerate(methods.items()):
+        # Curves that coincide stay visible under one another.
+        style = {"color": colors[name], "lw": 1.5 + 0.7 * (len(methods) - 1 - number)}
+        match = np.array(found["cumulative_match"][:RANKS])
+        by_rank.plot(1 + np.arange(len(match)), 100 * match, label=name, **style)
+        rates, absolute, relative = (100 * np.array(curve) for curve in found["roc"].values())
+        verification.plot(rates, relative, **style)
+        verification.plot(rates, absolute, color=colors[name], lw=0.8, ls=":")
+    by_rank.set(title="cumulative match", xlabel="rank", ylabel="probes, %")
+    by_rank.xaxis.set_major_locator(MaxNLocator(integer=True))
+    by_rank.legend(frameon=False, fontsize=8)
+    verification.set(
+        title="verification of the enrolled\nby relative distance (dotted: by distance)",
+        xlabel="false accepts, %",
+        ylabel="true accepts, %",
+        xscale="log",
+    )
+    times = [1000 * found["seconds_per_probe"] for found in methods.values()]
+    time.barh(list(methods), times, color=list(colors.values()))
+    # Whole decades, so that there is a labelled tick at either end.
+    decades = 10 ** np.array([np.floor(np.log10(min(times))), np.ceil(np.log10(max(times)))])
+    time.set(title="time", xlabel="ms per probe", xscale="log", xlim=decades * [0.9, 1.1])
+    time.xaxis.set_minor_formatter(NullFormatter())
+    time.invert_yaxis()
+    for axes in figure.axes:
+        axes.spines[["top", "right"]].set_visible(False)
+    return figure
+
+
+def _bars(axes: Axes, methods: Mapping[str, Mapping[str, Any]], colors: Mapping[str, str]) -> None:
+    """Draw a group of bars for each subset, a bar for each method."""
+    width = 0.8 / len(methods)
+    subsets = next(iter(methods.values()))["subsets"]
+    for place, (name, found) in enumerate(methods.items()):
+        rates = [found["subsets"][number] for number in subsets]
+        heights = np.array([100 * rate["errors"] / rate["probes"] for rate in rates])
+        low, high = 100 * np.array([rate["interval"] for rate in rates]).T
+        axes.bar(
+            np.arange(len(subsets)) + (place - (len(methods) - 1) / 2) * width,
+            heights,
+            width,
+            color=colors[name],
+            yerr=np.maximum([heights - low, high - heights], 0),
+            error_kw={"lw": 0.8},
+        )
+    named = [
+        f"{'all' if number == '0' else f'subset {number}'}\n{rate['probes']} probes"
+        for number, rate in subsets.items()
+    ]
+    axes.set(title="errors at rank 1", ylabel="probes, %", xticks=range(len(named)))
+    axes.set_xticklabels(named, fontsize=8)

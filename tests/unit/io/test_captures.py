@@ -1,0 +1,149 @@
+import numpy as np
+import pytest
+from PIL import Image
+
+from harmface.conventions import LUMINANCE, srgb_to_linear
+from harmface.errors import FileError
+from harmface.io import read_capture, read_mask, write_image
+
+SHAPE = (4, 6)
+
+
+def photograph(path, value, channels=None):
+    """Write a small photograph whose codes grow from left to right about a value."""
+    codes = np.tile(np.arange(SHAPE[1], dtype=np.uint8) + value, (SHAPE[0], 1))
+    if channels is not None:
+        codes = np.stack([codes * c for c in channels], axis=-1).astype(np.uint8)
+    Image.fromarray(codes).save(path)
+
+
+def save_mask(path, codes=(0, 255), mode="L"):
+    mask = np.zeros(SHAPE, bool)
+    mask[1:3, 1:5] = True
+    Image.fromarray(np.where(mask, *codes[::-1]).astype(np.uint8)).convert(mode).save(path)
+    return mask
+
+
+def test_a_folder_of_the_washington_set_is_understood(tmp_path):
+    for number in range(12):
+        photograph(tmp_path / f"cat.{number}.tga", 10 * number)
+    mask = save_mask(tmp_path / "cat.mask.tga", mode="RGB")
+    photograph(tmp_path / "._cat.0.tga", 0)
+    directions = np.linspace([-0.5, 0, 1], [0.5, 0.2, 1], 12)
+    np.savetxt(tmp_path / "lights.txt", directions, header="12", comments="")
+    found = read_capture([tmp_path])
+    assert found.names == tuple(f"cat.{number}.tga" for number in range(12))
+    assert np.allclose(found.images[:, 0, 0] * 255, 10 * np.arange(12))
+    assert found.images.dtype == np.float32
+    assert np.array_equal(found.mask, mask)
+    unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    assert np.allclose(found.lights, unit)
+    assert found.notes[0] == "taken as the mask: cat.mask.tga"
+    assert (
+        "order of their numbers: cat.0.tga, cat.1.tga, cat.2.tga, ..., cat.11.tga" in found.notes[1]
+    )
+
+
+def test_files_in_the_order_of_a_shell_are_put_in_that_of_numbers_and_others_kept(tmp_path):
+    for number in (1, 2, 10):
+        photograph(tmp_path / f"img{number}.png", number)
+    files = {number: tmp_path / f"img{number}.png" for number in (1, 2, 10)}
+    by_shell = read_capture([files[1], files[10], files[2]])
+    assert by_shell.names == ("img1.png", "img2.png", "img10.png")
+    assert "order of their numbers" in by_shell.notes[0]
+    backwards = read_capture([files[10], files[2], files[1]])
+    assert backwards.names == ("img10.png", "img2.png", "img1.png")
+    assert backwards.notes == ()
+
+
+def test_masks_and_dark_frames_are_told_from_photographs(tmp_path):
+    for name in ("a_1.png", "a_2.png", "a_ambient.png", "dark-01.png"):
+        photograph(tmp_path / name, 9)
+    mask = save_mask(tmp_path / "a_MASK.png", (0, 1))
+    found = read_capture(sorted(tmp_path.iterdir()))
+    assert found.names == ("a_1.png", "a_2.png")
+    assert np.array_equal(found.mask, mask)
+    assert found.notes == (
+        "taken as the mask: a_MASK.png",
+        "left out as taken without the light: a_ambient.png, dark-01.png",
+    )
+    save_mask(tmp_path / "other.png", (255, 0))
+    given = read_capture(sorted(tmp_path.iterdir()), mask=tmp_path / "other.png")
+    assert np.array_equal(given.mask, ~mask)
+    assert given.names == found.names
+    assert given.notes[0] == "taken as a mask: a_MASK.png, other.png"
+
+
+def test_intensities_divide_and_colour_becomes_one_channel(tmp_path):
+    for number in range(3):
+        photograph(tmp_path / f"{number}.png", 20, (1, 2, 4))
+    plain = read_capture([tmp_path])
+    codes = np.arange(6) + 20
+    assert np.allclose(plain.images[0, 0] * 255, codes * np.dot(LUMINANCE, (1, 2, 4)))
+    (tmp_path / "lights.txt").write_text("0 0 1 2\n0 0 1 1\n0 0 1 4\n")
+    divided = read_capture([tmp_path])
+    assert np.allclose(divided.images, plain.images / np.array([2, 1, 4])[:, None, None])
+    (tmp_path / "lights.txt").unlink()
+    (tmp_path / "light_intensities.txt").write_text("1 2 4\n" * 3)
+    even = read_capture([tmp_path])
+    assert np.allclose(even.images[0, 0] * 255, codes)
+    (tmp_path / "light_intensities.txt").write_text("1 2\n" * 3)
+    with pytest.raises(FileError, match="one positive number, or three"):
+        read_capture([tmp_path])
+
+
+def test_srgb_is_undone_on_request_and_jpeg_remarked_on(tmp_path):
+    for number in range(3):
+        photograph(tmp_path / f"{number}.jpg", 100)
+    found = read_capture([tmp_path])
+    assert "--gamma srgb" in found.notes[0]
+    decoded = read_capture([tmp_path], srgb=True)
+    assert decoded.notes == ()
+    assert np.allclose(decoded.images, srgb_to_linear(found.images), atol=1e-6)
+
+
+def test_saturation_is_counted_within_the_mask(tmp_path):
+    for number in range(4):
+        codes = np.full((*SHAPE, 3), 90, np.uint8)
+        codes[0] = 255
+        codes[1, 1, number % 3] = 255
+        Image.fromarray(codes).save(tmp_path / f"{number}.png")
+    mask = save_mask(tmp_path / "mask.png")
+    assert read_capture([tmp_path]).saturated == 1 / mask.sum()
+
+
+def test_reading_reports_its_progress(tmp_path):
+    for number in range(4):
+        photograph(tmp_path / f"{number}.png", 9)
+    done = []
+    read_capture([tmp_path], report=done.append)
+    assert done == [0.25, 0.5, 0.75, 1]
+
+
+def test_what_cannot_be_a_set_is_refused(tmp_path):
+    for number in range(3):
+        photograph(tmp_path / f"{number}.png", 9)
+    files = sorted(tmp_path.iterdir())
+    save_mask(tmp_path / "outline.png")
+    with pytest.raises(FileError, match=r"outline.png: is black and white only"):
+        read_capture([*files, tmp_path / "outline.png"])
+    save_mask(tmp_path / "a.mask.png")
+    save_mask(tmp_path / "b.mask.png")
+    with pytest.raises(FileError, match=r"b.mask.png: is a second mask beside a.mask.png"):
+        read_capture([*files, tmp_path / "a.mask.png", tmp_path / "b.mask.png"])
+    with pytest.raises(FileError, match="no photograph by its name"):
+        read_capture([tmp_path / "a.mask.png"])
+    write_image(tmp_path / "large.png", np.ones((9, 9)))
+    for arguments in ({"mask": tmp_path / "large.png"}, {}):
+        with pytest.raises(FileError, match=r"large.png: has 9 x 9 pixels, 0.png has 4 x 6"):
+            read_capture(files if arguments else [*files, tmp_path / "large.png"], **arguments)
+    write_image(tmp_path / "black.png", np.zeros(SHAPE))
+    with pytest.raises(FileError, match=r"black.png: is an empty mask"):
+        read_mask(tmp_path / "black.png")
+
+
+def test_a_listed_set_keeps_its_order(tmp_path):
+    for number in (1, 2, 10):
+        photograph(tmp_path / f"{number}.png", number)
+    (tmp_path / "filenames.txt").write_text("10.png\n1.png\n2.png\n")
+    assert read_capture([tmp_path]).names == ("10.png", "1.png", "2.png")
