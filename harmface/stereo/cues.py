@@ -49,6 +49,12 @@ USUAL_UNIFORM = 0.1
 LIGHT_SAY = 1500.0
 """Weight of all light strengths together, against about a thousand cells."""
 
+UNEQUAL = 0.05
+"""Logarithm of the strengths' ratio beyond which sources are just different ones."""
+
+UNEQUAL_SAY = 20.0
+"""Weight of the strength of a source among different ones: like a score of cells."""
+
 MOST_EXPLAINED = 500
 """Pixels whose images the harmonics of a candidate must explain."""
 
@@ -254,9 +260,11 @@ class Cues:
         if self._lights is not None:
             sources = self._lights @ np.linalg.pinv(rows)
             strength = np.log(np.linalg.norm(sources, axis=-1) + TINY)
-            say = LIGHT_SAY / strength.shape[1]
             apart = strength - np.median(strength, axis=1, keepdims=True)
-            parts.append((apart / FLOOR, say))
+            # Either they are equal, or many different ones are alike at least on average.
+            bounded = apart / np.hypot(1, apart / UNEQUAL)
+            parts.append((bounded / FLOOR, LIGHT_SAY / strength.shape[1]))
+            parts.append((apart / FLOOR, UNEQUAL_SAY))
         weights = [np.full(part.shape[1], say) for part, say in parts]
         return np.concatenate([part for part, _ in parts], axis=1), np.concatenate(weights)
 
