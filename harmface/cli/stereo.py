@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from harmface.cli.common import errors, output, progress
+from harmface.cli.common import output, progress
 from harmface.errors import ArgumentError
 
 if TYPE_CHECKING:

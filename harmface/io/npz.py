@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import math
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,6 +20,12 @@ from harmface.io.files import read_bytes
 _COMMENT = b"harmface sha256 "
 _DIGEST_LENGTH = len(_COMMENT) + 64
 _HEADER = "header"
+_HEADER_READERS = {
+    1: np.lib.format.read_array_header_1_0,
+    2: np.lib.format.read_array_header_2_0,
+}
+_DEFLATE = 1040
+"""No deflated byte holds more than 1032 others; a few belong to the stream itself."""
 
 
 def write_npz(
@@ -72,6 +79,7 @@ def read_npz(
     if comment[len(_COMMENT) :] != digest or int.from_bytes(length, "little") != _DIGEST_LENGTH:
         raise FileError(f"{path}: is damaged (its digest does not match); make it again")
     try:
+        _check_sizes(data)
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             header = json.loads(str(archive[_HEADER]))
             arrays = {name: archive[name] for name in archive.files if name != _HEADER}
@@ -86,3 +94,18 @@ def read_npz(
             "needed; make it again with this version of harmface"
         )
     return arrays, attributes
+
+
+def _check_sizes(data: bytes) -> None:
+    """Refuse arrays whose headers ask for other memory than their bytes fill."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        for member in archive.infolist():
+            if member.file_size > _DEFLATE * member.compress_size:
+                raise ValueError(f"{member.filename} claims more bytes than it can hold")
+            with archive.open(member) as file:
+                major, _ = np.lib.format.read_magic(file)
+                if major not in _HEADER_READERS:
+                    raise ValueError(f"{member.filename} has NPY version {major}")
+                shape, _, dtype = _HEADER_READERS[major](file)
+                if math.prod(shape) * dtype.itemsize != member.file_size - file.tell():
+                    raise ValueError(f"{member.filename} does not hold the array it claims")

@@ -152,7 +152,7 @@ def choose_gallery(photographs: list[Photograph], gallery: str) -> Bool[np.ndarr
     Raises
     ------
     ArgumentError
-        If a subject is not in the gallery, no probe is left, or lights are needed and not known.
+        If a subject is not in the gallery, or lights are needed and not known.
     FileError
         If the text file is missing or names other files.
     """
@@ -179,8 +179,6 @@ def choose_gallery(photographs: list[Photograph], gallery: str) -> Bool[np.ndarr
     missing = sorted(set(subjects) - set(subjects[chosen]))
     if missing:
         raise ArgumentError(f"gallery {gallery} holds no photograph of {missing[0]}")
-    if chosen.all():
-        raise ArgumentError(f"gallery {gallery} holds every photograph, and leaves no probe")
     return chosen
 
 

@@ -1,3 +1,7 @@
+import hashlib
+import io
+import zipfile
+
 import numpy as np
 import pytest
 
@@ -54,3 +58,28 @@ def test_a_plain_archive_is_refused(tmp_path):
     np.savez(tmp_path / "plain.npz", a=np.ones(3))
     with pytest.raises(FileError, match="not a harmface thing"):
         read_npz(tmp_path / "plain.npz", "thing", 3)
+
+
+def forged(path, members):
+    """An archive of raw members under a valid digest."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    body = buffer.getvalue()[:-2]
+    digest = b"harmface sha256 " + hashlib.sha256(body).hexdigest().encode()
+    path.write_bytes(body + len(digest).to_bytes(2, "little") + digest)
+
+
+def test_arrays_that_claim_more_than_they_hold_are_refused(tmp_path):
+    claim = io.BytesIO()
+    header = {"descr": "<f8", "fortran_order": False, "shape": (10**6, 10**7)}
+    np.lib.format.write_array_header_1_0(claim, header)
+    for content, message in (
+        (claim.getvalue(), "does not hold the array it claims"),
+        (b"\x93NUMPY\x09\x00", "NPY version 9"),
+        (b"no array", "not a harmface thing"),
+    ):
+        forged(tmp_path / "f.npz", {"a.npy": content})
+        with pytest.raises(FileError, match=message):
+            read_npz(tmp_path / "f.npz", "thing", 3)
