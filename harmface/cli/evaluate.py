@@ -22,9 +22,13 @@ from harmface.cli.common import (
     read_subjects,
     rows_and_columns,
 )
+from harmface.errors import ArgumentError
 
 SEED = 0
 """Of the bootstrap."""
+
+RENDERED = "rendered+"
+"""Before a method: it is also given photographs rendered under lights that nobody took."""
 
 RESULTS, TABLE, FIGURE = "results.json", "table.csv", "figure.png"
 PACKAGES = ("harmface", "numpy", "scipy", "scikit-learn", "scikit-image")
@@ -50,9 +54,11 @@ def evaluate(
     methods: Annotated[
         str,
         typer.Option(
-            help="Comma-separated: best (= local), subspace, correlation, nearest, eigenfaces, "
-            "eigenfaces-3, fisherfaces, gradient-direction, lbph; with equalized+, "
-            "self-quotient+ or tan-triggs+ before one. An unknown name lists all there are."
+            help="Comma-separated: best (= rendered+local; local where names do not tell the "
+            "light), subspace, correlation, nearest, eigenfaces, eigenfaces-3, fisherfaces, "
+            "gradient-direction, lbph; with equalized+, self-quotient+ or tan-triggs+ before one. "
+            "With rendered+ before all, the gallery's surfaces are recovered and photographs under "
+            "the nine points of light join it. An unknown name lists all there are."
         ),
     ] = "best",
     size: Annotated[
@@ -77,6 +83,7 @@ def evaluate(
 
     Example: harmface evaluate CroppedYale --methods best,subspace,lbph --out report
     """
+    from harmface.enrollment import with_nine_points
     from harmface.io import choose_gallery, prepare_folder
     from harmface.recognition.baselines import METHODS, recognizer
     from harmface.recognition.evaluation import distances_by
@@ -84,21 +91,32 @@ def evaluate(
     shape = rows_and_columns(size)
     settings = {name: METHODS[0] if name == "best" else name for name in methods.split(",")}
     for setting in settings.values():
-        recognizer(setting, (1, 1), 1)  # names the methods there are before anything is read
+        # Names the methods there are before anything is read.
+        recognizer(setting.removeprefix(RENDERED), (1, 1), 1)
     if out is not None and out.exists():
         prepare_folder(out, [RESULTS, TABLE, FIGURE])
     kept, images, skipped = read_subjects(folder, shape, srgb, skip_bad)
     enrolled = choose_gallery(kept, gallery)
+    if enrolled.all():
+        raise ArgumentError(f"gallery {gallery} holds every photograph, and leaves no probe")
     flat = images.reshape(len(images), -1)
     names = np.array([photograph.subject for photograph in kept])
     subsets = np.array([photograph.subset for photograph in kept])[~enrolled]
-    each = int(np.unique(names[enrolled], return_counts=True)[1].min())
+    lights = [photograph.light for photograph, one in zip(kept, enrolled, strict=True) if one]
+    if "best" in settings and None not in lights:
+        settings["best"] = RENDERED + METHODS[0]
+    galleries = {"": (images[enrolled], names[enrolled])}
+    if any(setting.startswith(RENDERED) for setting in settings.values()):
+        with errors.status("recovering surfaces"):
+            galleries[RENDERED] = with_nine_points(*galleries[""], lights)
     probes = flat[~enrolled]
     results: dict[str, dict[str, Any]] = {}
     for name, setting in settings.items():
         with errors.status(name):
-            method = recognizer(setting, images.shape[1:], each)
-            method.fit(flat[enrolled], names[enrolled])
+            given, shown = galleries[RENDERED if setting.startswith(RENDERED) else ""]
+            each = int(np.unique(shown, return_counts=True)[1].min())
+            method = recognizer(setting.removeprefix(RENDERED), images.shape[1:], each)
+            method.fit(given.reshape(len(given), -1), shown)
             start = time.perf_counter()
             distances = distances_by(method, probes)
             seconds = (time.perf_counter() - start) / len(probes)

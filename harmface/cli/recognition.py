@@ -80,6 +80,14 @@ def enroll(
         bool,
         typer.Option(help="Cast rays for the shadows of a head on itself: slower and better."),
     ] = False,
+    from_stereo: Annotated[
+        bool,
+        typer.Option(
+            "--from-stereo",
+            help="Recover surfaces from the photographs, whose names must tell the light, and "
+            "enroll what they look like under the nine points of light besides.",
+        ),
+    ] = False,
     srgb_colors: SrgbColorsOption = False,
     srgb: SrgbOption = False,
     skip_bad: SkipBadOption = False,
@@ -96,17 +104,19 @@ def enroll(
 
     Example: harmface enroll faces --size 64 --out gallery.npz
 
-    Example: harmface enroll CroppedYale --gallery subset1 --size 48x42 --out gallery.npz
+    Example: harmface enroll CroppedYale --gallery subset1 --size 48x42 --from-stereo --out g.npz
     """
     from harmface.io import write_gallery
 
     if holds_photographs(sources):
         if cast_shadows or srgb_colors:
             raise ArgumentError("--cast-shadows and --srgb-colors are for meshes, not photographs")
-        enrolled = _from_photographs(sources[0], method, gallery, size, srgb, skip_bad)
+        enrolled = _from_photographs(sources[0], method, gallery, size, srgb, skip_bad, from_stereo)
     else:
-        if gallery is not None or srgb:
-            raise ArgumentError("--gallery and --srgb are for photographs, not meshes")
+        if gallery is not None or srgb or from_stereo:
+            raise ArgumentError(
+                "--gallery, --from-stereo and --srgb are for photographs, not meshes"
+            )
         enrolled = _from_meshes(sources, method, size, cast_shadows, srgb_colors, skip_bad)
     write_gallery(out, enrolled)
     output.print(f"{enrolled.summary} in {out}, for {enrolled.method}", soft_wrap=True)
@@ -216,8 +226,11 @@ def _from_photographs(
     size: str | None,
     srgb: bool,
     skip_bad: bool,
+    from_stereo: bool,
 ) -> "Enrolled":
-    from harmface.io.galleries import enrolled_photographs
+    from harmface.enrollment import with_nine_points
+    from harmface.io.galleries import LabelledPhotographs, enrolled_photographs
+    from harmface.io.photo_sets import yale_light
     from harmface.recognition.baselines import METHODS, recognizer
 
     shape = rows_and_columns(size)
@@ -229,6 +242,12 @@ def _from_photographs(
         )
     recognizer(method, (1, 1), 1)  # names the methods there are before anything is read
     photographs, facts = read_enrolled(folder, gallery, shape, srgb, skip_bad)
+    if from_stereo:
+        lights = [yale_light(Path(name).name) for name in facts["files"]]
+        taken = np.array(photographs.subjects)
+        images, subjects = with_nine_points(photographs.images, taken, lights)
+        photographs = LabelledPhotographs(tuple(subjects.tolist()), images)
+    facts["from_stereo"] = from_stereo
     return enrolled_photographs(photographs, method, facts=facts)
 
 

@@ -11,7 +11,6 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.recognition.local_subspace import (
-    DIMENSION,
     Windows,
     local_basis,
     local_distances,
@@ -22,6 +21,9 @@ from harmface.recognition.subspace import orthonormal_basis, subspace_distances
 WHOLE_POWER = 0.06
 """Power of the whole image's distance: enough to decide ties, too little to outvote windows that
 a shadow leaves alone."""
+
+WHOLE_DIMENSION = 9
+"""Dimension of the whole image's subspace, that of the light."""
 
 
 class LocalSubspaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -147,5 +149,5 @@ class LocalSubspaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[m
 
 def _whole_basis(images: Float[np.ndarray, "g p"]) -> Float[np.ndarray, "d p"]:
     """Return orthonormal rows of a subject's images, zeros where it has fewer than others."""
-    basis = orthonormal_basis(images, min(len(images), DIMENSION)).astype(np.float32)
-    return np.pad(basis, ((0, DIMENSION - len(basis)), (0, 0)))
+    basis = orthonormal_basis(images, min(len(images), WHOLE_DIMENSION)).astype(np.float32)
+    return np.pad(basis, ((0, WHOLE_DIMENSION - len(basis)), (0, 0)))

@@ -32,11 +32,11 @@ FLOOR_PER_NOISE = 3
 CONTRAST_NOISE = 0.03
 """Standard deviation of the logarithm that a window must exceed to say anything."""
 
-RIDGE = 0.001
+RIDGE = 0.003
 """Ridge as a fraction of a window's largest eigenvalue."""
 
-DIMENSION = 9
-"""Dimension of a window's subspace."""
+DIMENSION = 20
+"""Dimension of a window's subspace: light, and the movement of the copies."""
 
 WINDOWS_PER_HEIGHT = 4
 """Heights of a window in the image; neighbours overlap by half."""

@@ -1,0 +1,161 @@
+"""From photographs to recovered subjects, and to the photographs that were not taken."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from harmface import checks
+from harmface.enrollment.subject import RelitSubject
+from harmface.enrollment.surfaces import depths_near_generic
+from harmface.errors import ArgumentError
+from harmface.geometry import depth_least_squares
+from harmface.recognition.nine_points import nine_points
+from harmface.stereo import photometric_stereo
+
+BRIGHT = 95
+"""Percentile that counts as the brightness of a picture."""
+
+NEAR = 35.0
+"""Degrees from a photograph's light within which another photograph would tell nothing new."""
+
+GRAZING = 0.05
+"""Least z of a recovered normal: what the camera sees does not look away."""
+
+
+def from_known_lights(
+    photographs: Float[np.ndarray, "n H W"], subjects: np.ndarray, lights: Float[np.ndarray, "n 3"]
+) -> dict[str, RelitSubject]:
+    """Recover the surface of every subject of a gallery, see `depths_near_generic`.
+
+    Parameters
+    ----------
+    photographs
+        Linear photographs under one light each, framed alike; one of a subject is enough.
+    subjects
+        Who each shows.
+    lights
+        Unit direction to the light of each.
+
+    Raises
+    ------
+    ArgumentError
+        If the numbers differ, a light stands behind the subject's plane, or a photograph is
+        negative or NaN.
+    """
+    photographs = checks.non_negative("photographs", photographs)
+    lights = checks.unit_vectors("lights", lights).astype(np.float64)
+    if not len(photographs) == len(subjects) == len(lights):
+        raise ArgumentError(
+            f"photographs, subjects and lights must agree in number, got {len(photographs)}, "
+            f"{len(subjects)} and {len(lights)}"
+        )
+    if min(photographs.shape[1:]) < 2:
+        raise ArgumentError(
+            f"photographs must be 2 x 2 pixels at least, got {photographs.shape[1:]}"
+        )
+    names, which = np.unique(subjects, return_inverse=True)
+    each = [which == number for number in range(len(names))]
+    depths, bright = depths_near_generic(
+        [photographs[own] for own in each], [lights[own] for own in each]
+    )
+    return {
+        str(name): _subject(depth, g) for name, depth, g in zip(names, depths, bright, strict=True)
+    }
+
+
+def from_stereo(
+    photographs: Float[np.ndarray, "F H W"],
+    lights: Float[np.ndarray, "F 3"] | None = None,
+    symmetric: bool = True,
+) -> RelitSubject:
+    """Recover one subject from its photographs alone.
+
+    With the lights known the surface is that of `from_known_lights`; a gallery of many subjects
+    is better recovered there, where each helps the others. Without, it comes from
+    `photometric_stereo`, which wants photographs under very different light.
+
+    Parameters
+    ----------
+    photographs
+        Linear photographs.
+    lights
+        Unit direction to the light of each, if known.
+    symmetric
+        Whether the subject is symmetric about the middle of its photographs, as faces are: what
+        settles the surface under unknown light.
+
+    Raises
+    ------
+    ArgumentError
+        As `from_known_lights`, and `photometric_stereo` on fewer than four photographs.
+    """
+    if lights is not None:
+        found = from_known_lights(photographs, np.full(len(photographs), "subject"), lights)
+        return found["subject"]
+    order: Literal[1, 2] = 2 if len(photographs) >= 9 else 1
+    result = photometric_stereo(photographs, order=order, symmetric=symmetric)
+    normals = result.normals.copy()
+    normals[..., 2] = np.maximum(normals[..., 2], GRAZING)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    depth = depth_least_squares(normals)
+    # The light's strength is unknown: the frontal picture gets the brightness of the photographs.
+    frontal = result.albedo * normals[..., 2]
+    scale = np.percentile(photographs, BRIGHT) / np.percentile(frontal, BRIGHT)
+    return RelitSubject(depth, result.albedo * scale)
+
+
+def with_nine_points(
+    photographs: Float[np.ndarray, "n H W"],
+    subjects: np.ndarray,
+    lights: Sequence[tuple[float, float, float] | None],
+) -> tuple[Float[np.ndarray, "m H W"], np.ndarray]:
+    """Return a gallery's photographs, and after them those that were not taken.
+
+    They are rendered from the subjects' surfaces, under those of the nine points of light that no
+    photograph of the subject is near. Together they span what a face can look like; photographs
+    from the front alone do not.
+
+    Parameters
+    ----------
+    photographs
+        Linear photographs, framed alike.
+    subjects
+        Who each shows.
+    lights
+        Unit direction to the light of each, as the names of photographs tell it.
+
+    Returns
+    -------
+    tuple
+        Photographs, in the precision of those given, and subjects.
+
+    Raises
+    ------
+    ArgumentError
+        As `from_known_lights`, and if a light is not known.
+    """
+    if any(light is None for light in lights):
+        raise ArgumentError(
+            "photographs must have names that tell the light, as Extended Yale B has, for surfaces "
+            "to be recovered; recognise by the photographs alone"
+        )
+    directions = np.array(lights, dtype=np.float64)
+    found = from_known_lights(photographs, subjects, directions)
+    images, names = [photographs], [subjects]
+    for name, subject in found.items():
+        nearest = (nine_points() @ directions[subjects == name].T).max(axis=1)
+        missing = nine_points()[nearest < np.cos(np.radians(NEAR))]
+        if len(missing):
+            images.append(subject.photographs(missing))
+            names.append(np.repeat(name, len(missing)))
+    # A camera would saturate where the photographs do.
+    gallery = np.minimum(np.concatenate(images), photographs.max())
+    return gallery.astype(photographs.dtype), np.concatenate(names)
+
+
+def _subject(depth: Float[np.ndarray, "H W"], g: Float[np.ndarray, "H W"]) -> RelitSubject:
+    """Return the subject of which `g` is the albedo times the normals' z."""
+    flat = RelitSubject(depth, np.ones_like(g))
+    return RelitSubject(depth, g / flat.normals[..., 2])
