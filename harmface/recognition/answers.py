@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Integer
+from scipy.special import softmax
 
 from harmface import checks
 from harmface.errors import ArgumentError
@@ -67,9 +68,18 @@ def posteriors(distances: Float[np.ndarray, "n N"], independent: float) -> Float
     if not (np.isfinite(independent) and independent > 0):
         raise ArgumentError(f"independent must be above 0, got {independent}")
     smallest = np.finfo(distances.dtype).tiny
-    exponents = -independent * np.log(np.maximum(distances, smallest))
-    weights = np.exp(exponents - exponents.max(axis=1, keepdims=True))
-    return weights / weights.sum(axis=1, keepdims=True)
+    return softmax(-independent * np.log(np.maximum(distances, smallest)), axis=1)
+
+
+def likelihood_posteriors(log: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n N"]:
+    """Return the probability of every subject, all as probable beforehand, by the camera's noise.
+
+    Parameters
+    ----------
+    log
+        Logarithms of the likelihoods, see `likelihoods`.
+    """
+    return softmax(checks.finite("log", log), axis=1)
 
 
 def rejection(

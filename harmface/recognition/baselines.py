@@ -19,9 +19,11 @@ from sklearn.preprocessing import FunctionTransformer
 
 from harmface.errors import ArgumentError
 from harmface.recognition.classifier import HarmonicSubspaceClassifier
+from harmface.recognition.cone_classifier import IlluminationConeClassifier
 from harmface.recognition.local_classifier import LocalSubspaceClassifier
 from harmface.recognition.nearest import NearestImageClassifier
 from harmface.recognition.normalizers import equalized, self_quotient, tan_triggs
+from harmface.recognition.robust_classifier import RobustSubspaceClassifier
 
 EIGENFACES = 50
 """Principal components, fewer where the gallery has fewer images."""
@@ -30,8 +32,8 @@ NORMALIZERS = {"equalized": equalized, "self-quotient": self_quotient, "tan-trig
 """What may stand before a method's name, with a plus: `tan-triggs+eigenfaces`."""
 
 METHODS = (
-    *("local", "subspace", "correlation", "nearest", "eigenfaces", "eigenfaces-3"),
-    *("fisherfaces", "gradient-direction", "lbph"),
+    *("local", "robust", "registered", "subspace", "cone", "correlation", "nearest"),
+    *("eigenfaces", "eigenfaces-3", "fisherfaces", "gradient-direction", "lbph"),
 )
 """Recognisers from photographs; the first is the one to use."""
 
@@ -107,12 +109,21 @@ def recognizer(name: str, image_shape: tuple[int, int], images_each: int) -> Any
             f"method must be one of {', '.join(METHODS)}, or one of {', '.join(NORMALIZERS)} "
             f"and a plus before it, got {name!r}"
         )
+    # OpenCV takes a while to load: what needs it is imported where it is asked for.
     if method == "local":
         final: Any = LocalSubspaceClassifier(image_shape)
     elif method == "subspace":
         final = HarmonicSubspaceClassifier(min(9, images_each))
+    elif method == "robust":
+        final = RobustSubspaceClassifier(image_shape, dimension=min(9, images_each))
+    elif method == "registered":
+        from harmface.recognition.registered_classifier import RegisteredSubspaceClassifier
+
+        final = RegisteredSubspaceClassifier(image_shape, dimension=min(9, images_each))
+    elif method == "cone":
+        final = IlluminationConeClassifier()
     elif method == "lbph":
-        from harmface.recognition.lbph import LbphClassifier  # OpenCV takes a while to load
+        from harmface.recognition.lbph import LbphClassifier
 
         final = LbphClassifier(image_shape)
     else:

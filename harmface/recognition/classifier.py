@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float
-from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from harmface.errors import ArgumentError
+from harmface.recognition.distance_classifier import DistanceClassifier
 from harmface.recognition.gallery import Gallery
 from harmface.recognition.subspace import orthonormal_basis, subspace_distances
 
 
-class HarmonicSubspaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+class HarmonicSubspaceClassifier(DistanceClassifier):
     """Name the subject whose subspace of images lies nearest to a probe ([BJ03]_, [R05]_ 0.4.1).
 
     A subject's subspace is spanned by what `fit` is given: its harmonic images, rendered from a
@@ -34,7 +34,7 @@ class HarmonicSubspaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignor
     Attributes
     ----------
     classes_
-        Subjects in sorted order, as scikit-learn wants them.
+        Subjects in sorted order.
     bases_
         Orthonormal rows of each subject, (subjects, dimension, pixels).
 
@@ -102,19 +102,3 @@ class HarmonicSubspaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignor
         check_is_fitted(self)
         X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
         return subspace_distances(X, self.bases_)
-
-    def decision_function(self, X: Any) -> Float[np.ndarray, "n *N"]:
-        """Return scores that are greater for nearer subjects.
-
-        They are negated distances, (n, subjects); with two subjects scikit-learn asks for one
-        score, (n,): how much nearer the second is.
-        """
-        distances = self.distances(X)
-        if len(self.classes_) == 2:
-            return distances[:, 0] - distances[:, 1]
-        return -distances
-
-    def predict(self, X: Any) -> np.ndarray:
-        """Return the nearest subject of every image."""
-        check_is_fitted(self)
-        return self.classes_[self.distances(X).argmin(axis=1)]

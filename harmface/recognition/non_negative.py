@@ -15,6 +15,7 @@ from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float, Integer
+from threadpoolctl import threadpool_limits
 
 from harmface import checks
 from harmface.conventions import max_degree_of
@@ -24,14 +25,14 @@ from harmface.sphere import fibonacci_directions, real_harmonics
 DIRECTIONS = 150
 """Directions of the sampled light, 17 degrees apart: finer than nine harmonics resolve."""
 
-TOLERANCE = 1e-8
+TOLERANCE = 1e-6
 """Ascent, relative to the projections, that counts as none."""
 
 MAX_STEPS = 100
 """Steps of the active set: a handful would do for nine dimensions."""
 
-CHUNK = 2**13
-"""Pairs solved at a time: 30 MB."""
+CHUNK = 2**10
+"""Pairs solved at a time: 2 MB, which a cache holds; many more take twice as long."""
 
 
 def non_negative_distances(
@@ -53,8 +54,8 @@ def non_negative_distances(
     ArgumentError
         On NaN, an all-black probe, or probes of another size than the images.
     """
-    light = non_negative_light(probes, images)
     projections, grams, squared = small_problems(probes, images)
+    light = _nearest_lights(projections, grams)
     fitted = np.einsum("nsk,skl,nsl->ns", light, grams, light, optimize=True)
     crossed = np.einsum("nsk,nsk->ns", light, projections)
     relative = 1 + (fitted - 2 * crossed) / squared[:, None]
@@ -80,14 +81,26 @@ def non_negative_light(
         `sampled_light`, so that it is non-negative as a measure.
     """
     projections, grams, _ = small_problems(probes, images)
-    rays = sampled_light(max_degree_of(images.shape[1]))
+    return _nearest_lights(projections, grams)
+
+
+def _nearest_lights(
+    projections: Float[np.ndarray, "n N K"], grams: Float[np.ndarray, "N K K"]
+) -> Float[np.ndarray, "n N K"]:
+    """Solve the problems of all pairs, a few at a time."""
     count, subjects, functions = projections.shape
+    rays = sampled_light(max_degree_of(functions))
     flat = projections.reshape(-1, functions)
     which = np.tile(np.arange(subjects), count)
+    # Subjects resemble each other: the light that suits all together is a good place to start.
+    mean = np.broadcast_to(grams.mean(axis=0), (count, functions, functions))
+    slots, strengths = active_rays(projections.mean(axis=1), mean, rays)
     light = np.empty_like(flat)
     for first in range(0, len(flat), CHUNK):
         some = slice(first, first + CHUNK)
-        light[some] = nearest_in_cone(flat[some], grams[which[some]], rays)
+        probe = np.arange(len(flat))[some] // subjects
+        start = slots[probe], strengths[probe]
+        light[some] = nearest_in_cone(flat[some], grams[which[some]], rays, start)
     return light.reshape(projections.shape)
 
 
@@ -108,19 +121,24 @@ def small_problems(
     subjects, functions, pixels = images.shape
     flat = images.reshape(-1, pixels).astype(probes.dtype, copy=False)
     projections = (probes @ flat.T).reshape(-1, subjects, functions).astype(np.float64)
-    grams = images.astype(np.float64) @ images.swapaxes(1, 2)
+    grams = np.empty((subjects, functions, functions))
+    for first in range(0, subjects, CHUNK):
+        some = images[first : first + CHUNK].astype(np.float64)
+        grams[first : first + CHUNK] = some @ some.swapaxes(1, 2)
     return projections, grams, np.einsum("np,np->n", probes, probes).astype(np.float64)
+
+
+Active = tuple[Integer[np.ndarray, "P K"], Float[np.ndarray, "P K"]]
+"""Which rays have strength in each problem, -1 in empty slots, and how much."""
 
 
 def nearest_in_cone(
     projections: Float[np.ndarray, "P K"],
     grams: Float[np.ndarray, "P K K"],
     rays: Float[np.ndarray, "J K"],
+    start: Active | None = None,
 ) -> Float[np.ndarray, "P K"]:
     """Return the least `l G l - 2 l q` of each problem over the cone of the rays.
-
-    Non-negative least squares by the active set of [LH74]_, all problems at once: each holds
-    the strengths of at most `K` rays, so that every step is a solution of small systems.
 
     Parameters
     ----------
@@ -130,43 +148,59 @@ def nearest_in_cone(
         The matrices `G`, positive semidefinite.
     rays
         What spans the cone.
+    start
+        Where to start from, see `active_rays`.
+    """
+    # The systems are small: threads would spend their time waiting for each other.
+    with threadpool_limits(1, user_api="blas"):
+        return _sum(rays, *active_rays(projections, grams, rays, start))
+
+
+def active_rays(
+    projections: Float[np.ndarray, "P K"],
+    grams: Float[np.ndarray, "P K K"],
+    rays: Float[np.ndarray, "J K"],
+    start: Active | None = None,
+) -> Active:
+    """Return the rays that make up the nearest point of `nearest_in_cone`, and their strengths.
+
+    Non-negative least squares by the active set of [LH74]_, all problems at once: each holds
+    the strengths of at most `K` rays, so that every step is a solution of small systems.
     """
     problems, functions = projections.shape
-    result = np.zeros_like(projections)
     # A ridge at rounding error keeps the systems regular where images depend on one another.
     ridge = 1e-12 * np.trace(grams, axis1=1, axis2=2)[:, None, None] * np.eye(functions)
     grams = grams + ridge
     limits = TOLERANCE * np.abs(projections).max(axis=1) * np.abs(rays).max()
-    open_ = np.arange(problems)
-    slots = np.full((problems, functions), -1)
-    strengths = np.zeros((problems, functions))
-    fresh = np.ones(problems, dtype=bool)
-    for _ in range(MAX_STEPS):
-        light = _sum(rays, slots, strengths)
-        ascent = (projections - (grams @ light[..., None])[..., 0]) @ rays.T
-        steepest = ascent.argmax(axis=1)
-        rising = ascent[np.arange(len(open_)), steepest] > limits
-        done = fresh & (~rising | (slots >= 0).all(axis=1))
-        if done.any():
-            result[open_[done]] = light[done]
-            keep = ~done
-            open_, grams, projections, limits, slots, strengths, fresh, steepest = (
-                each[keep]
-                for each in (open_, grams, projections, limits, slots, strengths, fresh, steepest)
-            )
-            if not open_.size:
-                break
-        adding = np.flatnonzero(fresh)
-        slots[adding, (slots[adding] < 0).argmax(axis=1)] = steepest[adding]
-        # Slots fill from the left: in the first steps most columns are empty in all problems.
-        taken = (slots >= 0).max(axis=0, initial=False)
-        width = functions - int(taken[::-1].argmax())
-        slots[:, :width], strengths[:, :width], fresh = _solved(
-            grams, projections, rays, slots[:, :width], strengths[:, :width]
-        )
+    if start is None:
+        slots, strengths = np.full((problems, functions), -1), np.zeros((problems, functions))
     else:
-        result[open_] = _sum(rays, slots, strengths)
-    return result
+        slots, strengths = (each.copy() for each in start)
+    open_, best = np.ones(problems, dtype=bool), np.array(slots.max(axis=1) < 0)
+    for _ in range(MAX_STEPS):
+        # Where the strengths are the best for the rays held, the ray that helps most joins them.
+        resting = np.flatnonzero(open_ & best)
+        light = _sum(rays, slots[resting], strengths[resting])
+        ascent = (projections[resting] - (light[:, None] @ grams[resting])[:, 0]) @ rays.T
+        steepest = ascent.argmax(axis=1)
+        rising = ascent[np.arange(len(resting)), steepest] > limits[resting]
+        rising &= (slots[resting] < 0).any(axis=1)
+        open_[resting[~rising]] = False
+        joining = resting[rising]
+        slots[joining, (slots[joining] < 0).argmax(axis=1)] = steepest[rising]
+        going = np.flatnonzero(open_)
+        if not going.size:
+            break
+        # Slots fill from the left: in the first steps most columns are empty in all problems.
+        width = 1 + int(np.flatnonzero(slots[going].max(axis=0) >= 0).max(initial=0))
+        slots[going, :width], strengths[going, :width], best[going] = _solved(
+            grams[going],
+            projections[going],
+            rays,
+            slots[going, :width],
+            strengths[going, :width],
+        )
+    return slots, strengths
 
 
 def _solved(

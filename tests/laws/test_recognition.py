@@ -5,6 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from harmface.recognition import (
+    extreme_lights,
+    lamp_images,
     non_negative_distances,
     orthonormal_basis,
     posteriors,
@@ -78,3 +80,18 @@ def test_cumulative_match_rises_to_one(seed):
     curve = cumulative_match(rng.random((20, 7)), rng.integers(0, 7, 20))
     assert (np.diff(curve) >= 0).all()
     assert curve[-1] == 1
+
+
+@given(seed=SEEDS)
+def test_the_illumination_cone_is_the_same_under_every_linear_map_of_its_normals(seed):
+    rng = np.random.default_rng(seed)
+    normals, change = rng.standard_normal((3, 30)), rng.standard_normal((3, 3))
+    one, other = (
+        lamp_images(own, extreme_lights(own, 40, seed)) for own in (normals, change.T @ normals)
+    )
+    one, other = (rays / np.linalg.norm(rays, axis=1, keepdims=True) for rays in (one, other))
+    if np.linalg.det(change) < 0:
+        # A reflection makes of each lamp the opposite one, which stands beside it.
+        other = other.reshape(-1, 2, 30)[:, ::-1].reshape(-1, 30)
+    # Rounding grows with the condition of the map, and where a ray is faint.
+    assert np.allclose(one, other, atol=1e-10 * np.linalg.cond(change) ** 2)

@@ -1,0 +1,105 @@
+import numpy as np
+import pytest
+from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import FunctionTransformer
+
+from data_synth.faces import head
+from data_synth.lightings import yale64
+from harmface.errors import ArgumentError
+from harmface.recognition import (
+    HarmonicSubspaceClassifier,
+    RobustSubspaceClassifier,
+    enroll,
+    subject_photographs,
+)
+from harmface.reproduce.synthetic import light_of, mesh_of
+
+SIZE = 32
+SUBJECTS = [f"subject {seed}" for seed in range(8)]
+LIT = np.flatnonzero(yale64().subset >= 3)
+
+
+@pytest.fixture(scope="module")
+def meshes():
+    """Heads that resemble each other."""
+    return {
+        name: mesh_of(head(seed, n_vertices=5000, identity_scale=0.5))
+        for seed, name in enumerate(SUBJECTS)
+    }
+
+
+@pytest.fixture(scope="module")
+def gallery(meshes):
+    return enroll(meshes, SIZE)
+
+
+@pytest.fixture(scope="module")
+def probes(meshes):
+    """Each under lights from the side, with cast shadows and a per cent of noise."""
+    rng = np.random.default_rng(3)
+    lights = light_of(yale64())
+    lights = type(lights)(lights.directions, lights.irradiances[LIT])
+    images = [subject_photographs(mesh, lights, SIZE) for mesh in meshes.values()]
+    images = np.concatenate(images).reshape(-1, SIZE * SIZE)
+    images /= images.max(axis=1, keepdims=True)
+    return np.clip(images + 0.01 * rng.standard_normal(images.shape), 0, 1)
+
+
+def test_halves_the_errors_of_the_plain_distance_where_shadows_fall(gallery, probes):
+    truth = np.repeat(SUBJECTS, len(LIT))
+    plain = HarmonicSubspaceClassifier.from_gallery(gallery)
+    robust = RobustSubspaceClassifier.from_gallery(gallery)
+    errors = (plain.predict(probes[:, gallery.mask.ravel()]) != truth).sum()
+    assert errors >= 10
+    assert (robust.predict(probes) != truth).sum() <= errors / 2
+
+
+def test_photographs_serve_as_a_gallery(probes):
+    names = np.repeat(SUBJECTS, len(LIT))
+    classifier = RobustSubspaceClassifier((SIZE, SIZE)).fit(probes[::4], names[::4])
+    assert classifier.score(probes[1::8], names[1::8]) > 0.9
+
+
+def test_exposure_and_what_lies_outside_the_mask_play_no_part(gallery, probes, rng):
+    classifier = RobustSubspaceClassifier.from_gallery(gallery, "4d")
+    other = 1e3 * np.where(gallery.mask.ravel(), probes[:3], rng.random((3, SIZE * SIZE)))
+    # Single precision, through a root.
+    assert np.allclose(classifier.distances(probes[:3]), classifier.distances(other), atol=1e-5)
+
+
+def test_works_in_a_pipeline_and_as_a_clone(probes):
+    few, names = probes[::9], np.repeat(SUBJECTS, len(LIT))[::9]
+    robust = RobustSubspaceClassifier(image_shape=(SIZE, SIZE), dimension=3)
+    scaled = make_pipeline(FunctionTransformer(np.sqrt), clone(robust)).fit(few, names)
+    assert scaled.predict(few[:2]).tolist() == [SUBJECTS[0]] * 2
+
+
+def test_two_subjects_have_one_score(rng):
+    images = rng.random((4, 12))
+    classifier = RobustSubspaceClassifier((3, 4), dimension=2).fit(images, [0, 0, 1, 1])
+    distances = classifier.distances(images)
+    scores = classifier.decision_function(images)
+    assert np.array_equal(scores, distances[:, 0] - distances[:, 1])
+    assert np.array_equal(classifier.predict(images), scores > 0)
+
+
+def test_an_unfitted_classifier_says_so():
+    with pytest.raises(NotFittedError):
+        RobustSubspaceClassifier((3, 4)).predict(np.ones((1, 12)))
+
+
+@pytest.mark.parametrize(
+    ("classifier", "message"),
+    [
+        (RobustSubspaceClassifier((3, 3), dimension=1), "8 pixels"),
+        (RobustSubspaceClassifier((2, 4), np.ones((2, 2), bool), 1), "mask must be of shape"),
+        (RobustSubspaceClassifier((2, 4), np.zeros((2, 4), bool), 1), "leave some pixels"),
+        (RobustSubspaceClassifier((2, 4), dimension=3), "has 2 images, fewer than the 3"),
+    ],
+)
+@pytest.mark.usefixtures("unchecked")
+def test_nonsense_is_refused(classifier, message):
+    with pytest.raises(ArgumentError, match=message):
+        classifier.fit(np.ones((4, 8)), [0, 0, 1, 1])
