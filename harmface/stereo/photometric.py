@@ -19,7 +19,7 @@ from harmface.errors import ArgumentError
 from harmface.stereo.confidence import confidence_of, noise_error
 from harmface.stereo.cues import KnownNormals
 from harmface.stereo.encoding import looks_gamma_encoded
-from harmface.stereo.factorization import factorize
+from harmface.stereo.factorization import chunks, factorize
 from harmface.stereo.homogeneous import scaled_normal_images
 from harmface.stereo.known_lights import normals_from_coefficients, normals_from_directions
 from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
@@ -140,7 +140,6 @@ def _result(stack: ImageStack, found: Recovered) -> StereoResult:
     n = np.where(dark[:, None], (0.0, 0.0, 1.0), found.b / np.where(dark, 1.0, length)[:, None])
     expected = np.where(dark, 90.0, found.expected)
     lighting = harmonic_light(stack.values, found.b, 2)
-    left = stack.values - lighting @ scaled_normal_images(found.b, 2)
     rank = min(9, *stack.values.shape)
     spectrum = factorize(stack.values, rank)
     encoded = (ENCODED,) if looks_gamma_encoded(stack.values) else ()
@@ -151,7 +150,7 @@ def _result(stack: ImageStack, found: Recovered) -> StereoResult:
         found.signature_held,
         found.convexity,
         found.light_model,
-        float(np.linalg.norm(left) / np.linalg.norm(stack.values)),
+        _residual_share(stack.values, found.b, lighting),
         found.converged,
         encoded + found.warnings,
     )
@@ -164,6 +163,19 @@ def _result(stack: ImageStack, found: Recovered) -> StereoResult:
         stack.mask,
         report,
     )
+
+
+def _residual_share(
+    values: Float[np.ndarray, "F p"],
+    b: Float[np.ndarray, "p 3"],
+    lighting: Float[np.ndarray, "F 9"],
+) -> float:
+    """Return the norm of what the harmonic images leave, relative to that of the images."""
+    left = sum(
+        float(np.sum((values[:, some] - lighting @ scaled_normal_images(b[some], 2)) ** 2))
+        for some in chunks(len(b), len(values))
+    )
+    return float(np.sqrt(left) / np.linalg.norm(values))
 
 
 def _known_normals(

@@ -120,7 +120,7 @@ def recover(
         extended, b = structure, structure.T @ rows.T
         raw = b
         light = harmonic_light(stack.values, raw, order)
-        weights = np.ones(stack.values.shape)
+        weights = np.broadcast_to(1.0, stack.values.shape)
         cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
     noise = noise_error(stack.values, model, light, raw, weights)
     expected = np.minimum(np.hypot(noise, ambiguity_error(cues, rows, extended)), 90.0)
@@ -175,7 +175,7 @@ def _refitted(
 
     A share of the pixels at a time, to hold no more than the weights beside the stack.
     """
-    raw, weights = np.empty(start.shape), np.empty(stack.values.shape)
+    raw, weights = np.empty(start.shape), np.empty(stack.values.shape, np.float32)
     parts = interleaved(len(start), 8 * len(light))
     for number, some in enumerate(parts):
         values = stack.values[:, some]
