@@ -15,6 +15,9 @@ from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.stereo.lorentz import nearest_lorentz
 
+ROUNDING = 1e-12
+"""Share of the energy in the strongest dimension below which another one is empty."""
+
 ROUNDS = 10
 """Rounds in which a linear map settles: its scale changes at each pixel with the map."""
 
@@ -103,6 +106,12 @@ def without_linear_map(
     |T v|^2`: the numerator is a quadratic form in T, whose least eigenvector is T, and the
     denominator follows in rounds.
     """
+    weight = 1 / np.maximum((b**2).sum(axis=1), np.finfo(np.float64).tiny)
+    # White coordinates, so that T of unit size does not shrink the normals along faint dimensions;
+    # those of nothing but rounding are left out.
+    spread, axes = np.linalg.eigh((b * weight[:, None]).T @ b)
+    kept = spread > ROUNDING * spread[-1]
+    b = b @ (axes[:, kept] / np.sqrt(spread[kept]))
     weight = 1 / np.maximum((b**2).sum(axis=1), np.finfo(np.float64).tiny)
     across = np.eye(3) - truth[:, :, None] * truth[:, None, :]
     size = b.shape[1]

@@ -7,6 +7,7 @@ from harmface.stereo import (
     angular_errors,
     summary,
     without_convexity,
+    without_linear_map,
     without_lorentz,
     without_rotation,
 )
@@ -93,3 +94,12 @@ def test_cues_that_say_more_leave_less_open(ball, single_lights):
 
 def test_confidence_falls_with_the_error():
     assert np.allclose(confidence_of(np.array([0.0, 5.0, 45.0])), [1, 0.5, 0.1])
+
+
+def test_oracle_is_not_drawn_to_faint_dimensions(hills, rng):
+    seen = hills.normals + 0.01 * rng.standard_normal(hills.normals.shape)
+    faint = 1e-4 * rng.standard_normal((len(seen), 3))
+    structure = np.concatenate([seen, faint], axis=1)
+    normals = without_linear_map(structure, hills.normals)
+    # 0.01 across the normal, in two directions: 0.8 degrees.
+    assert angular_errors(normals, hills.normals).mean() < 1
