@@ -1,5 +1,6 @@
 """What all recognisers by distance share: the nearest subject is named."""
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from harmface.errors import ArgumentError
 
 
-class DistanceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+class DistanceClassifier(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
     """Name the nearest subject, by the `distances` that a subclass computes.
 
     Attributes
@@ -20,9 +21,9 @@ class DistanceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     classes_: np.ndarray
 
+    @abstractmethod
     def distances(self, X: Any) -> Float[np.ndarray, "n N"]:
         """Return the distance of every image to every subject of `classes_`."""
-        raise NotImplementedError
 
     def decision_function(self, X: Any) -> Float[np.ndarray, "n *N"]:
         """Return scores that are greater for nearer subjects.
@@ -58,7 +59,7 @@ def checked_mask(
     Raises
     ------
     ArgumentError
-        If the shape does not hold the pixels, or the mask has another.
+        If the shape does not hold the pixels, or the mask has another or is empty.
     """
     rows, columns = image_shape
     if rows * columns != pixels:
@@ -68,4 +69,6 @@ def checked_mask(
     mask = np.ones(image_shape, bool) if mask is None else mask
     if mask.shape != (rows, columns):
         raise ArgumentError(f"mask must be of shape {image_shape}, got {mask.shape}")
+    if not mask.any():
+        raise ArgumentError("mask must leave some pixels, but leaves none; widen it")
     return mask

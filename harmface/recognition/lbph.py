@@ -5,12 +5,13 @@ from typing import Any
 import cv2
 import numpy as np
 from jaxtyping import Float
-from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from harmface.recognition.distance_classifier import DistanceClassifier
 
-class LbphClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+
+class LbphClassifier(DistanceClassifier):
     """Name the subject with the nearest histograms of local binary patterns (OpenCV's LBPH).
 
     Parameters
@@ -47,11 +48,6 @@ class LbphClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
             labels, distances = np.array(collector.getResults()).T
             np.minimum.at(row, labels.astype(int), distances)
         return nearest
-
-    def predict(self, X: Any) -> np.ndarray:
-        """Return the nearest subject of every image."""
-        nearest = self.distances(X).argmin(axis=1)
-        return self.classes_[nearest]
 
     def _codes(self, X: np.ndarray) -> list[np.ndarray]:
         low, span = X.min(axis=1, keepdims=True), np.ptp(X, axis=1, keepdims=True)

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
-from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.recognition.distance_classifier import DistanceClassifier, checked_mask
 from harmface.recognition.local_subspace import (
     Windows,
     local_basis,
@@ -26,7 +26,7 @@ WHOLE_DIMENSION = 9
 """Dimension of the whole image's subspace, that of the light."""
 
 
-class LocalSubspaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+class LocalSubspaceClassifier(DistanceClassifier):
     """Name the subject whose windows explain a probe best, see `local_subspace`.
 
     The method of choice for photographs under extreme light: nine photographs a subject under
@@ -88,7 +88,7 @@ class LocalSubspaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[m
         """
         X, y = validate_data(self, X, y, dtype=[np.float64, np.float32])
         check_classification_targets(y)
-        self.windows_ = Windows(self._checked_mask(X.shape[1]))
+        self.windows_ = Windows(checked_mask(self.image_shape, self.mask, X.shape[1]))
         self.full_scale_ = float(checks.non_negative("X", X).max())
         if self.full_scale_ == 0:
             raise ArgumentError("images must not all be black")
@@ -116,35 +116,12 @@ class LocalSubspaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[m
         whole = subspace_distances(seen.astype(np.float32), self.whole_)
         return local * whole**WHOLE_POWER
 
-    def decision_function(self, X: Any) -> Float[np.ndarray, "n *N"]:
-        """Return negated distances, or with two subjects how much nearer the second is."""
-        distances = self.distances(X)
-        if len(self.classes_) == 2:
-            return distances[:, 0] - distances[:, 1]
-        return -distances
-
-    def predict(self, X: Any) -> np.ndarray:
-        """Return the nearest subject of every image."""
-        nearest = self.distances(X).argmin(axis=1)
-        return self.classes_[nearest]
-
     def _logarithms(self, X: np.ndarray) -> Float[np.ndarray, "n H W"]:
         images = X.reshape(-1, *self.windows_.mask.shape)
         return log_intensity(images / self.full_scale_, self.noise)
 
     def _seen(self, X: np.ndarray) -> Float[np.ndarray, "n p"]:
         return X[:, self.windows_.mask.ravel()]
-
-    def _checked_mask(self, pixels: int) -> Bool[np.ndarray, "H W"]:
-        rows, columns = self.image_shape
-        if rows * columns != pixels:
-            raise ArgumentError(
-                f"image_shape must hold the {pixels} pixels of each image, got {self.image_shape}"
-            )
-        mask = np.ones(self.image_shape, bool) if self.mask is None else self.mask
-        if mask.shape != (rows, columns):
-            raise ArgumentError(f"mask must be of shape {self.image_shape}, got {mask.shape}")
-        return mask
 
 
 def _whole_basis(images: Float[np.ndarray, "g p"]) -> Float[np.ndarray, "d p"]:

@@ -5,12 +5,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial.distance import cdist
-from sklearn.base import BaseEstimator, ClassifierMixin, clone
+from sklearn.base import clone
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from harmface.recognition.distance_classifier import DistanceClassifier
 
-class NearestImageClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+
+class NearestImageClassifier(DistanceClassifier):
     """Name the subject of the gallery's nearest image, by Euclidean distance of features.
 
     Parameters
@@ -49,8 +51,3 @@ class NearestImageClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mi
         nearest = np.full((len(X), len(self.classes_)), np.inf)
         np.minimum.at(nearest.T, self.which_, each.T)
         return nearest
-
-    def predict(self, X: Any) -> np.ndarray:
-        """Return the subject of the nearest image."""
-        nearest = self.distances(X).argmin(axis=1)
-        return self.classes_[nearest]
