@@ -84,11 +84,11 @@ class Refined:
     residual
         Robust standard deviation of the observations about the model, relative to the mean.
     energies
-        Of the last fit, falling; see `JointFit` and `RobustFactorization`.
+        Of the last joint fit, falling; see `JointFit`.
     converged
         Whether it settled.
-    cost
-        Of the cues, see `Cues`.
+    cues
+        What the transformation was chosen by.
     """
 
     model: LightModel
@@ -100,7 +100,7 @@ class Refined:
     residual: float
     energies: Float[np.ndarray, "n"]
     converged: bool
-    cost: float
+    cues: Cues
 
 
 def refine(
@@ -112,7 +112,7 @@ def refine(
 ) -> Refined:
     """Return light and normals that explain the images, from a first estimate.
 
-    One point an image is a robust factorisation of rank 3. Other light is found with the normals
+    One point an image is found by `single_sources`. Other light is found with the normals
     of a few hundred pixels, by `fit_jointly` with weights of Cauchy's loss: several points and
     uniform light, and degree 2; then each pixel is fitted by itself.
 
@@ -160,7 +160,7 @@ def refine(
         found.residual,
         found.energies,
         found.converged,
-        cues.cost(transformation),
+        cues,
     )
 
 

@@ -94,7 +94,7 @@ def recover(
     fit = refined(coarse, b, known, rng=rng) if refine else None
     progress(0.7)
     if fit is not None and not is_single(fit.model):
-        turned = mapped(fit.transformation, structure_of(fit.model, fit.structure[-3:].T))
+        turned = mapped(fit.transformation, fit.structure)
         rise = cue_cost(turned, coarse.mask, known) - cue_cost(b, coarse.mask, known)
         if rise > WORSE * len(b):
             fit = None
@@ -105,8 +105,8 @@ def recover(
             )
     if fit is not None:
         model, light, converged = fit.model, fit.light, fit.converged
-        seen, rows, weights = fit.structure, fit.transformation, fit.weights
-        raw = seen[-3:].T
+        rows, weights, cues = fit.transformation, fit.weights, fit.cues
+        raw = fit.structure[-3:].T
         if factor > 1:
             raw = spread_over(raw, found.structure, structure)
             raw, weights = _refitted(
@@ -114,7 +114,6 @@ def recover(
             )
         extended = structure_of(model, raw)
         b = mapped(rows, extended)
-        cues = Cues(seen, coarse.mask, known, lights=light if is_single(model) else None)
     else:
         rows = np.linalg.lstsq(found.structure.T, b, rcond=None)[0].T
         extended, b = structure, structure.T @ rows.T

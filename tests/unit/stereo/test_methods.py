@@ -10,6 +10,7 @@ from harmface.stereo import (
     factorize,
     first_order,
     refine,
+    refinement,
     second_order,
     without_convexity,
     without_linear_map,
@@ -82,12 +83,13 @@ def test_highlights_and_cast_shadows_do_not_count(ball, lit_ball, single_lights,
     assert error(found.b, ball) < 1.5
 
 
-def test_several_sources_are_not_taken_for_one(ball, several_sources, rng):
+def test_several_sources_are_not_taken_for_one(ball, several_sources, rng, monkeypatch):
+    monkeypatch.setattr(refinement, "PIXELS", 400)
     start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
     found = refine(ball.stack(several_sources), start, Knowledge(outline_of(ball.mask)))
     assert found.model == PointLights(4, ambient=True)
-    # Seen 3.0: 150 pixels leave the linear map vague.
-    assert error(found.b, ball) < 4
+    # Noise of 1 % leaves the linear map vague: 0.6 to 0.9 from three starts.
+    assert error(found.b, ball) < 1.5
 
 
 def test_smooth_light_is_refined_as_harmonic(ball, rng):
