@@ -55,10 +55,10 @@ def evaluate(
         str,
         typer.Option(
             help="Comma-separated: best (= rendered+local; local where names do not tell the "
-            "light), subspace, correlation, nearest, eigenfaces, eigenfaces-3, fisherfaces, "
-            "gradient-direction, lbph; with equalized+, self-quotient+ or tan-triggs+ before one. "
-            "With rendered+ before all, the gallery's surfaces are recovered and photographs under "
-            "the nine points of light join it. An unknown name lists all there are."
+            "light), robust, registered, subspace, cone, correlation, nearest, eigenfaces, "
+            "eigenfaces-3, fisherfaces, gradient-direction, lbph; with equalized+, self-quotient+ "
+            "or tan-triggs+ before one. With rendered+ before all, the gallery's surfaces are "
+            "recovered and photographs under the nine points of light join it."
         ),
     ] = "best",
     size: Annotated[

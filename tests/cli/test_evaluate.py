@@ -7,8 +7,10 @@ from PIL import Image
 
 from data_synth.faces import head
 from data_synth.lightings import yale64
+from harmface.cli.evaluate import evaluate
 from harmface.geometry import frame_orthographic, gbuffer
 from harmface.io import find_photographs, read_photographs
+from harmface.recognition.baselines import METHODS, NORMALIZERS
 from harmface.rendering import render
 from harmface.reproduce.synthetic import light_of, mesh_of
 
@@ -167,3 +169,11 @@ def test_lights_are_needed_for_galleries_by_light(photographs, check_refused, tm
         (tmp_path / "people" / name).mkdir(parents=True)
         Image.fromarray(stack[0]).save(tmp_path / "people" / name / "1.png")
     check_refused("names that tell the light", "evaluate", "people", "--gallery", "ninepoints")
+
+
+def test_the_help_names_every_method():
+    told = evaluate.__annotations__["methods"].__metadata__[0].help.replace(",", " ").split()
+    for name in METHODS:
+        assert any(name in word.strip("();").split("+") for word in told), name
+    for name in NORMALIZERS:
+        assert f"{name}+" in told
