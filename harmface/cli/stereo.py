@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from harmface.stereo import StereoResult
 
 METHODS = ("4d", "9d", "refined", "known-lights")
-MANY_SATURATED = 0.01
-"""Share of saturated observations that is worth a word."""
 
 
 def stereo(
@@ -115,6 +113,7 @@ def stereo(
             refine=method == "refined",
             symmetric=symmetric,
             robust=known,
+            saturated=capture.saturated,
             progress=report,
         )
         # At the rim noise may turn a normal away from the camera: no depth has such a slope.
@@ -125,6 +124,7 @@ def stereo(
     summary = {
         "images": len(capture.names),
         "pixels": int(found.mask.sum()),
+        "saturated_share": float(capture.saturated[:, found.mask].mean()),
         "pixels_with_depth": int(facing.sum()),
         "depth": "height in pixels" if camera is None else "distance in units of its mean",
         "median_expected_error_degrees": float(np.median(found.expected_error[found.mask])),
@@ -185,10 +185,5 @@ def _notes(capture: "Capture", found: "StereoResult", known: bool) -> list[str]:
         notes.append(
             "the normals fit a surface better upside down: the lights' y axis must point up; "
             "negate y if it points down"
-        )
-    if capture.saturated > MANY_SATURATED:
-        notes.append(
-            f"{capture.saturated:.0%} of the observations are saturated: expose less, as what is "
-            "clipped bends the surface"
         )
     return notes

@@ -7,7 +7,7 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
 from harmface.conventions import luminance
 from harmface.errors import FileError
@@ -32,7 +32,7 @@ class Capture:
     images
         Linear luminance, float32; divided by the lights' intensities where these are known.
     saturated
-        Share of the observations within the mask that are saturated in any channel.
+        Which observations are, in any channel, the largest value that the file could hold.
     mask
         The object, if a mask came with it.
     lights
@@ -45,7 +45,7 @@ class Capture:
 
     names: tuple[str, ...]
     images: Float[np.ndarray, "F H W"]
-    saturated: float
+    saturated: Bool[np.ndarray, "F H W"]
     mask: Bool[np.ndarray, "H W"] | None
     lights: Float[np.ndarray, "F 3"] | None
     truth: Float[np.ndarray, "H W 3"] | None
@@ -99,14 +99,13 @@ def read_capture(
     mask_image = None
     if found.mask is not None:
         mask_image = read_mask(found.mask)
-        if mask_image.shape != saturated.shape:
-            raise _other_size(found.mask, mask_image, files[0], saturated)
-        saturated = saturated[mask_image]
+        if mask_image.shape != images.shape[1:]:
+            raise _other_size(found.mask, mask_image, files[0], images[0])
     truth = None if folder is None else _existing(folder, "Normal_gt.mat")
     return Capture(
         tuple(path.name for path in files),
         images,
-        float(saturated.mean() / len(files)),
+        saturated,
         mask_image,
         None if known is None else known.directions,
         None if truth is None else _matlab_normals(truth),
@@ -169,19 +168,19 @@ def _stack(
     intensities: Float[np.ndarray, "F channels"] | None,
     srgb: bool,
     report: Callable[[float], None],
-) -> tuple[Float[np.ndarray, "F H W"], Int[np.ndarray, "H W"]]:
-    """Return the photographs in one channel, and how often each pixel is saturated."""
+) -> tuple[Float[np.ndarray, "F H W"], Bool[np.ndarray, "F H W"]]:
+    """Return the photographs in one channel, and which observations are saturated."""
     first = read_image(files[0])
     stack = np.empty((len(files), *first.shape[:2]), np.float32)
-    saturated = np.zeros(first.shape[:2], int)
+    saturated = np.empty(stack.shape, bool)
     for number, path in enumerate(files):
         image = read_image(path, srgb=srgb)
-        if image.shape[:2] != saturated.shape:
-            raise _other_size(path, image, files[0], saturated)
+        if image.shape[:2] != stack.shape[1:]:
+            raise _other_size(path, image, files[0], stack[0])
         full = image >= SATURATED
         if 0 < full.mean() < 1 and (full | (image == 0)).all():
             raise FileError(f"{path}: is black and white only; if it is a mask, give it as --mask")
-        saturated += full if image.ndim == 2 else full.any(axis=-1)
+        saturated[number] = full if image.ndim == 2 else full.any(axis=-1)
         stack[number] = _one_channel(image, None if intensities is None else intensities[number])
         report((number + 1) / len(files))
     return stack, saturated

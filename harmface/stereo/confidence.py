@@ -21,6 +21,9 @@ HALF_SURE = 5.0
 CORRELATED = 30.0
 """Residuals of the cues that say the same: neighbouring cells share texture and surface."""
 
+POOLED = 2
+"""Observations that the noise of all pixels counts for in that of each."""
+
 
 def noise_error(
     values: Float[np.ndarray, "F p"],
@@ -31,9 +34,9 @@ def noise_error(
 ) -> Float[np.ndarray, "p"]:
     """Return the standard deviation of each normal by its own residuals, degrees.
 
-    With `C = s^2 (J' W J)^-1` the covariance of b, s^2 the pixel's weighted mean square residual,
-    the normal's is `P C P / |b|^2`, P the projection across b; its trace is the square of the
-    angle.
+    With `C = s^2 (J' W J)^-1` the covariance of b, s^2 the pixel's weighted mean square residual
+    averaged with that of all (three observations fit exactly, and would pass for sure), the
+    normal's is `P C P / |b|^2`, P the projection across b; its trace is the square of the angle.
     """
     found = np.empty(len(b))
     for some in chunks(len(b), 8 * len(values)):
@@ -51,8 +54,10 @@ def _noise_error(
     slope = model.by_normal(light, b).swapaxes(0, 1)
     normal = (weights.T[..., None] * slope).swapaxes(1, 2) @ slope
     residual = values - model.predict(light, b)
-    freedom = np.maximum(weights.sum(axis=0) - 3, 1)
-    variance = (weights * residual**2).sum(axis=0) / freedom
+    freedom = np.maximum(weights.sum(axis=0) - 3, 0)
+    left = (weights * residual**2).sum(axis=0)
+    pooled = left.sum() / max(freedom.sum(), 1.0)
+    variance = (left + POOLED * pooled) / (freedom + POOLED)
     floor = 1e-9 * np.einsum("pii->", normal) / len(normal) + np.finfo(np.float64).tiny
     covariance = np.linalg.inv(normal + floor * np.eye(3)) * variance[:, None, None]
     squared = (b**2).sum(axis=1)

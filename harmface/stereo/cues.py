@@ -23,7 +23,10 @@ BATCH = 32
 """Candidates judged at a time: 30 arrays of 1000 cells each stay in the cache."""
 
 MOST_CELLS = 1000
-"""Cells that the search looks at: they fix a dozen numbers many times over."""
+"""Cells that a search looks at: they fix a dozen numbers many times over."""
+
+ALL_CELLS = 10_000
+"""Cells that the last step looks at, so that noise in single ones averages out."""
 
 TWIST = 0.03
 """Antisymmetric share of the slopes' derivatives that differences over a cell may leave."""
@@ -155,6 +158,8 @@ class Cues:
         What else is known.
     explain
         Whether the harmonic images of the candidate must span the structure: of nine dimensions.
+    cells
+        Most cells looked at. Together they count like `MOST_CELLS`.
     lights
         One point source an image, when their strengths are thought nearly equal: light rows in
         the basis of v, so that the sources are `lights T^-1`.
@@ -171,15 +176,17 @@ class Cues:
         lights: Float[np.ndarray, "F d"] | None = None,
         uniform: float = 0.0,
         explain: bool = False,
+        cells: int = MOST_CELLS,
     ) -> None:
         # Albedo is divided out, so that its edges do not pass for slopes; all pixels count alike.
         size = np.linalg.norm(structure, axis=0)
         size = np.maximum(np.abs(size), 1e-6 * np.abs(size).max())
         v = (structure / size).T
-        cells: Cells = cells_of(mask).thinned(MOST_CELLS)
-        self._middle, self._dx, self._dy = cells.middle(v), cells.along_x(v), cells.along_y(v)
+        seen: Cells = cells_of(mask).thinned(cells)
+        self._cell_say = min(1.0, MOST_CELLS / max(1, len(seen.corners)))
+        self._middle, self._dx, self._dy = seen.middle(v), seen.along_x(v), seen.along_y(v)
         log = np.log(size)[:, None]
-        self._grain = np.stack([cells.along_x(log)[:, 0], cells.along_y(log)[:, 0]])
+        self._grain = np.stack([seen.along_x(log)[:, 0], seen.along_y(log)[:, 0]])
         self._coarse = 0.1 * float(np.median(np.abs(self._grain))) + 1e-6
         self._lights = lights
         self._isometry_say = LORENTZ_SAY * min(1.0, uniform / USUAL_UNIFORM)
@@ -224,10 +231,10 @@ class Cues:
         gx = self._grain[0] + (b * dx).sum(axis=-1) / squared
         gy = self._grain[1] + (b * dy).sum(axis=-1) / squared
         parts = [
-            ((xx + yy) / bend / TWIST, 1.0),
-            (gx / self._coarse, GRAIN_SAY),
-            (gy / self._coarse, GRAIN_SAY),
-            (np.minimum(z / np.sqrt(squared), 0) / FLOOR, 1.0),
+            ((xx + yy) / bend / TWIST, self._cell_say),
+            (gx / self._coarse, GRAIN_SAY * self._cell_say),
+            (gy / self._coarse, GRAIN_SAY * self._cell_say),
+            (np.minimum(z / np.sqrt(squared), 0) / FLOOR, self._cell_say),
         ]
         if len(self._middle.T) == 4:
             parts.append((_anisotropy(-rows @ METRIC @ turned) / LORENTZ, LORENTZ_SAY))

@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 from harmface import checks
 from harmface.stereo.cells import cells_of
 from harmface.stereo.cues import NOTHING, Cues, Knowledge
-from harmface.stereo.gauge import best_lorentz, best_of, reliefs, shifted
+from harmface.stereo.gauge import best_linear, best_lorentz, best_of, reliefs, shifted
 from harmface.stereo.inflation import inflated_normals
 from harmface.stereo.integrability import integrable_rows, isometric_rows
 from harmface.stereo.lorentz import METRIC, NullCone, fit_null_cone
@@ -84,6 +84,23 @@ def first_order(
     lorentz = best_lorentz(cues, starts, rng)
     best = lorentz
     if cone.residual > EXACT:
+        # Each family of candidates is improved by itself: the many of one would crowd out the
+        # single one of another.
         unit = rows / np.linalg.norm(rows, axis=1, keepdims=True)
-        best = best_of(cues, [lorentz, blown, *reliefs(unit)], shifted, 12)
+        leading = _of_three_dimensions(structure, mask, knowledge)
+        three = np.linalg.lstsq(shown.T, leading, rcond=None)[0].T
+        families = [[lorentz], [blown], [three], reliefs(unit)]
+        best = min((best_of(cues, each, shifted, 12) for each in families), key=cues.cost)
     return FirstOrder(cone, vectors, shown.T @ best.T, cues.cost(best))
+
+
+def _of_three_dimensions(
+    structure: Float[np.ndarray, "4 p"], mask: Bool[np.ndarray, "H W"], knowledge: Knowledge
+) -> Float[np.ndarray, "p 3"]:
+    """Return scaled normals from the three leading dimensions, which reliefs hardly leave."""
+    three = structure[:3]
+    cues = Cues(three, mask, knowledge)
+    length = np.maximum(np.linalg.norm(three, axis=0), np.finfo(np.float64).tiny)
+    rows = integrable_rows(three / length, cells_of(mask))
+    rows = best_linear(cues, [rows / np.linalg.norm(rows, axis=1, keepdims=True)])
+    return three.T @ rows.T

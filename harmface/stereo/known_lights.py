@@ -13,13 +13,17 @@ from jaxtyping import Bool, Float
 from harmface import checks
 from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
-from harmface.stereo.light_models import HarmonicLight, LightModel
+from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
 from harmface.stereo.per_pixel import fit_normals
 from harmface.stereo.robust import point_source_weights
 from harmface.stereo.robust_factorization import weighted_solve
 
 ROUNDS = 20
 """Reweightings of the robust fit: residuals settle in about ten."""
+
+JUDGED = 6
+"""Observations of a pixel from which outliers among them can be told: twice the unknowns. With
+fewer a robust fit goes through three of them, and would take the noise to be none."""
 
 
 def normals_from_directions(
@@ -42,7 +46,8 @@ def normals_from_directions(
     lights
         Unit direction to the light of each image, times its irradiance.
     usable
-        Observations that may count: leave out the dark ones, which say `b . l <= 0` only.
+        Observations that may count: leave out the dark ones, which say `b . l <= 0` only. A pixel
+        with fewer than three is left open by them, see `normals_from_few`.
     robust
         Whether outliers are to be expected among the others.
 
@@ -64,16 +69,58 @@ def normals_from_directions(
     if not robust:
         return b.T
     for _ in range(ROUNDS):
-        weights = point_source_weights(values, lights @ b, allowed > 0)
-        b = weighted_solve(lights, weights, values)
+        b = weighted_solve(lights, robust_weights(values, lights @ b, allowed > 0), values)
     return b.T
+
+
+def robust_weights(
+    values: Float[np.ndarray, "F p"],
+    predicted: Float[np.ndarray, "F p"],
+    usable: Bool[np.ndarray, "F p"],
+) -> Float[np.ndarray, "F p"]:
+    """Return what observations count in a robust fit under one known source each.
+
+    They are those of `point_source_weights` at pixels with `JUDGED` usable observations or more;
+    elsewhere three unknowns fit any outlier, and all that is usable counts alike.
+
+    Parameters
+    ----------
+    values, predicted
+        Images as rows of pixels, and what was expected of them.
+    usable
+        Observations that may count.
+    """
+    judged = usable.sum(axis=0) >= JUDGED
+    return np.where(judged, point_source_weights(values, predicted, usable & judged), usable)
+
+
+def normals_from_few(
+    values: Float[np.ndarray, "F p"],
+    lights: Float[np.ndarray, "F 3"],
+    usable: Bool[np.ndarray, "F p"],
+) -> Float[np.ndarray, "p 3"]:
+    """Return scaled normals where fewer than three observations are lit: guesses, of low trust.
+
+    What is dark helps: Gauss-Newton on `|M - max(b . l, 0)|^2` keeps b from the lights that do not
+    show.
+
+    Parameters
+    ----------
+    values, lights
+        As in `normals_from_directions`.
+    usable
+        Observations that may count, lit or dark: leave out the saturated ones.
+    """
+    weights = usable.astype(np.float64)
+    start = weighted_solve(lights, weights, values).T
+    return fit_normals(values, PointLights(1, ambient=False), lights, start, weights=weights)
 
 
 def normals_from_coefficients(
     values: Float[np.ndarray, "F p"],
     coefficients: Float[np.ndarray, "F K"],
     *,
-    start: Float[np.ndarray, "p 3"] | None = None,
+    usable: Bool[np.ndarray, "F p"] | None = None,
 ) -> Float[np.ndarray, "p 3"]:
     """Return scaled normals under known general light, given as harmonic coefficients.
 
@@ -87,8 +134,8 @@ def normals_from_coefficients(
         Images as rows of pixels.
     coefficients
         Coefficients of radiance of each image, to degree 1 or higher.
-    start
-        Scaled normals to start from; the linear least squares if not given.
+    usable
+        Observations that may count, lit or dark: leave out the saturated ones.
     """
     coefficients = checks.finite("coefficients", coefficients).astype(np.float64)
     if coefficients.shape[1] < 4:
@@ -97,11 +144,11 @@ def normals_from_coefficients(
         )
     require_light_for_each("coefficients", len(coefficients), len(values))
     model: LightModel = HarmonicLight(max_degree_of(coefficients.shape[1]))
-    if start is None:
-        # Degree 1 leads the irradiance, so a fit of four rows places b well enough to start.
-        linear, *_ = np.linalg.lstsq(coefficients[:, :4], values, rcond=None)
-        start = np.stack([linear[3], linear[1], linear[2]], axis=1)
-    return fit_normals(values, model, coefficients, start)
+    weights = np.ones(values.shape) if usable is None else usable.astype(np.float64)
+    # Degree 1 leads the irradiance, so a fit of four rows places b well enough to start.
+    linear = weighted_solve(coefficients[:, :4], weights, values)
+    start = np.stack([linear[3], linear[1], linear[2]], axis=1)
+    return fit_normals(values, model, coefficients, start, weights=weights)
 
 
 def require_light_for_each(name: str, lights: int, images: int) -> None:

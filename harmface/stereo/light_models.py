@@ -6,7 +6,7 @@ scale.
 """
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -164,9 +164,14 @@ class DenseLight:
         return slope + light[:, -1:, None] * (b / length)
 
 
+def has_one_point(model: LightModel) -> TypeGuard[PointLights]:
+    """Return whether light comes from one point in each image, uniform light aside."""
+    return isinstance(model, PointLights) and model.count == 1
+
+
 def is_single(model: LightModel) -> bool:
     """Return whether light comes from one point in each image, and nowhere else."""
-    return isinstance(model, PointLights) and model.count == 1 and not model.ambient
+    return has_one_point(model) and not model.ambient
 
 
 def uniform_share(model: LightModel, light: Float[np.ndarray, "F q"]) -> float:

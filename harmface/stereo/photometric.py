@@ -8,6 +8,7 @@ References
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -19,12 +20,17 @@ from harmface.errors import ArgumentError
 from harmface.stereo.confidence import confidence_of, noise_error
 from harmface.stereo.cues import KnownNormals
 from harmface.stereo.encoding import looks_gamma_encoded
-from harmface.stereo.factorization import chunks, factorize
+from harmface.stereo.factorization import chunks, factorize, interleaved
 from harmface.stereo.homogeneous import scaled_normal_images
-from harmface.stereo.known_lights import normals_from_coefficients, normals_from_directions
-from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
+from harmface.stereo.known_lights import (
+    normals_from_coefficients,
+    normals_from_directions,
+    normals_from_few,
+    robust_weights,
+)
+from harmface.stereo.light_models import HarmonicLight, LightModel, is_single
 from harmface.stereo.result import Recovered, StereoReport, StereoResult
-from harmface.stereo.robust import cauchy_weights, robust_scale
+from harmface.stereo.single_sources import SINGLE
 from harmface.stereo.stack import ImageStack, image_stack
 from harmface.stereo.unknown_light import harmonic_light, recover
 
@@ -32,6 +38,12 @@ ENCODED = (
     "images look gamma-encoded: they come nearer to four dimensions when the sRGB curve is "
     "undone; decode them first"
 )
+
+MANY = 0.01
+"""Share of observations or pixels of which too little is known that is worth a word."""
+
+UNKNOWNS = 3
+"""Components of a scaled normal."""
 
 
 def photometric_stereo(
@@ -45,7 +57,7 @@ def photometric_stereo(
     normals_known: Float[np.ndarray, "H W 3"] | None = None,
     symmetric: bool = False,
     robust: bool = False,
-    saturated: float = np.inf,
+    saturated: Bool[np.ndarray, "F H W"] | None = None,
     rng: np.random.Generator | int = 0,
     progress: Callable[[float], None] = lambda done: None,
 ) -> StereoResult:
@@ -77,7 +89,8 @@ def photometric_stereo(
     robust
         With known directions: whether highlights and cast shadows are to be expected.
     saturated
-        Value from which an observation is saturated.
+        Which observations the camera clipped, in any of its channels; none if not given. They are
+        left out under known light and under single sources.
     rng
         Draws starting points and pixels.
     progress
@@ -86,16 +99,18 @@ def photometric_stereo(
     Raises
     ------
     ArgumentError
-        On too few images, images alike, an empty mask, NaN, or light of the wrong number.
+        On too few images, images alike, an empty mask, NaN, light of the wrong number, or if
+        everything is saturated.
     """
     if order not in (1, 2):
         raise ArgumentError(f"order must be 1 or 2, got {order}")
     rng = checks.generator(rng)
     minimum = 3 if light is not None else (4, 9)[order - 1]
     stack = image_stack(images, mask, minimum=minimum, saturated=saturated)
-    stack = ImageStack(stack.values.astype(np.float64), stack.mask, stack.usable)
+    stack = ImageStack(stack.values.astype(np.float64, copy=False), stack.mask, stack.usable)
+    clipped = None if saturated is None else np.asarray(saturated)[:, stack.mask]
     if light is not None:
-        found = _under_known_light(stack, np.asarray(light), robust)
+        found = _under_known_light(stack, clipped, np.asarray(light), robust, progress)
     else:
         found = recover(
             stack,
@@ -107,30 +122,83 @@ def photometric_stereo(
             rng=rng,
             progress=progress,
         )
+    if clipped is not None:
+        found = replace(found, warnings=(*found.warnings, *_saturation(found, clipped.mean())))
     result = _result(stack, found)
     progress(1.0)
     return result
 
 
 def _under_known_light(
-    stack: ImageStack, light: Float[np.ndarray, "F q"], robust: bool
+    stack: ImageStack,
+    clipped: Bool[np.ndarray, "F p"] | None,
+    light: Float[np.ndarray, "F q"],
+    robust: bool,
+    progress: Callable[[float], None],
 ) -> Recovered:
+    """Return every pixel fitted by itself, a share of them at a time to spare memory."""
     model: LightModel
     if light.ndim == 2 and light.shape[1] == 3:
-        b = normals_from_directions(stack.values, light, usable=stack.usable, robust=robust)
-        model, method = PointLights(1, ambient=False), "known directions"
+        model, method = SINGLE, "known directions"
     elif light.ndim == 2 and light.shape[1] >= 4:
-        b = normals_from_coefficients(stack.values, light)
         model, method = HarmonicLight(max_degree_of(light.shape[1])), "known coefficients"
     else:
         raise ArgumentError(
             "light must be (F, 3) directions or (F, K) harmonic coefficients with K = 4, 9, ..., "
             f"got shape {light.shape}"
         )
-    residual = stack.values - model.predict(light, b)
-    weights = cauchy_weights(residual, robust_scale(residual))
-    expected = noise_error(stack.values, model, light, b, weights)
-    return Recovered(method, b, np.minimum(expected, 90.0), "light")
+    pixels = stack.values.shape[1]
+    b, expected, few = np.empty((pixels, 3)), np.empty(pixels), np.empty(pixels, dtype=bool)
+    parts = interleaved(pixels, 8 * len(stack.values))
+    for number, some in enumerate(parts):
+        values = stack.values[:, some]
+        seen = np.ones(values.shape, bool) if clipped is None else ~clipped[:, some]
+        usable = stack.usable[:, some] if is_single(model) else seen
+        few[some] = usable.sum(axis=0) < UNKNOWNS
+        if is_single(model):
+            b[some], weights = _by_directions(values, light, usable, seen, robust)
+        else:
+            b[some] = normals_from_coefficients(values, light, usable=usable)
+            weights = usable.astype(np.float64)
+        expected[some] = noise_error(values, model, light, b[some], weights)
+        progress((number + 1) / len(parts))
+    warnings: tuple[str, ...] = ()
+    if few.mean() > MANY:
+        warnings = (
+            f"{few.mean():.0%} of the pixels are seen in fewer than three photographs, neither "
+            "dark nor saturated: their normals are guesses",
+        )
+    expected = np.where(few, 90.0, np.minimum(expected, 90.0))
+    return Recovered(method, b, expected, "light", warnings=warnings)
+
+
+def _by_directions(
+    values: Float[np.ndarray, "F p"],
+    light: Float[np.ndarray, "F 3"],
+    usable: Bool[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    robust: bool,
+) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
+    """Return scaled normals, and how much each observation counted."""
+    b = normals_from_directions(values, light, usable=usable, robust=robust)
+    few = usable.sum(axis=0) < UNKNOWNS
+    if few.any():
+        b[few] = normals_from_few(values[:, few], light, seen[:, few])
+    if robust:
+        return b, robust_weights(values, light @ b.T, usable)
+    return b, usable.astype(np.float64)
+
+
+def _saturation(found: Recovered, share: float) -> tuple[str, ...]:
+    """Return what to say of the share of observations that are saturated."""
+    if share <= MANY:
+        return ()
+    if found.convexity == "light" or found.light_model == "one point":
+        return (f"{share:.0%} of the observations are saturated and were left out",)
+    return (
+        f"{share:.0%} of the observations are saturated: expose less, as what is clipped bends "
+        "the surface",
+    )
 
 
 def _result(stack: ImageStack, found: Recovered) -> StereoResult:
@@ -173,7 +241,7 @@ def _residual_share(
     """Return the norm of what the harmonic images leave, relative to that of the images."""
     left = sum(
         float(np.sum((values[:, some] - lighting @ scaled_normal_images(b[some], 2)) ** 2))
-        for some in chunks(len(b), len(values))
+        for some in chunks(len(b), 8 * len(values))
     )
     return float(np.sqrt(left) / np.linalg.norm(values))
 

@@ -16,52 +16,34 @@ mapped to uniform light, and so helps to decide.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from harmface import checks
-from harmface.stereo.cues import NOTHING, Cues, Knowledge
-from harmface.stereo.gauge import best_linear, best_of, best_rotation, boosted
+from harmface.stereo.cells import cells_of
+from harmface.stereo.cues import ALL_CELLS, MOST_CELLS, NOTHING, Cues, Knowledge
+from harmface.stereo.factorization import factorize
+from harmface.stereo.gauge import best_linear, best_of, best_rotation, boosted, improved, shifted
 from harmface.stereo.hayakawa import equal_strength_metric
-from harmface.stereo.homogeneous import scaled_normal_images
-from harmface.stereo.joint import JointFit, fit_jointly
-from harmface.stereo.light_models import (
-    HarmonicLight,
-    LightModel,
-    PointLights,
-    is_single,
-    uniform_share,
-)
+from harmface.stereo.integrability import integrable_rows
+from harmface.stereo.light_models import HarmonicLight, LightModel, has_one_point, uniform_share
 from harmface.stereo.lorentz import nearest_lorentz
-from harmface.stereo.non_negative import dense_light, fit_dense_light, points_of
+from harmface.stereo.many_sources import many_sources, misfit
 from harmface.stereo.per_pixel import fit_robustly
-from harmface.stereo.robust import cauchy_weights, robust_scale
+from harmface.stereo.robust import robust_scale
 from harmface.stereo.single_sources import SINGLE, single_sources
 from harmface.stereo.stack import ImageStack
 
 PIXELS = 800
 """Pixels by which light is found: 64 images of them outnumber all unknowns about fifteen times."""
 
-POINTS = 4
-TRIAL_STEPS = 30
-"""Steps by which models of light are compared."""
-
-ROUNDS = 2
-"""Times that observations are weighed anew and light and normals fitted again."""
-
-STEPS = 25
-"""Steps of each round."""
-
 EXPLAINED = 0.01
 """Residual, relative to the mean image, that single sources may leave without others being tried;
 light from elsewhere leaves 0.02 and more on reliefs and 0.1 on round objects."""
 
-GAIN = 0.2
-"""Twice the log-likelihood of an observation that many sources must gain over single ones: noise
-smaller by a tenth. Highlights pass for other sources to the extent of 0.11, and other sources
-themselves gain 0.4 and more."""
-
-SMALL = 1e-4
-"""Residual, relative to the mean image, that counts as none in comparing models of light."""
+GAIN = 1.0
+"""Twice the log-likelihood of an observation that many sources must gain over single ones. Cast
+shadows and highlights pass for other sources to the extent of 0.7, uniform light of 3 % to
+that of 0.2 to 1, and other sources themselves gain 2 and more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +95,7 @@ def refine(
     """Return light and normals that explain the images, from a first estimate.
 
     One point an image is found by `single_sources`. Other light is found with the normals
-    of a few hundred pixels, by `fit_jointly` with weights of Cauchy's loss: several points and
-    uniform light, and degree 2; then each pixel is fitted by itself.
+    of a few hundred pixels by `many_sources`; then each pixel is fitted by itself.
 
     Parameters
     ----------
@@ -130,26 +111,35 @@ def refine(
     unit = float(stack.values.mean())
     start = start / np.linalg.norm(start, axis=1).mean()
     rng = checks.generator(rng)
-    found = _explained(stack.values / unit, stack.usable, start, rng)
+    found = _explained(stack, stack.values / unit, start, rng)
     structure = structure_of(found.model, found.b)
-    lights = found.light if is_single(found.model) else None
-    cues = Cues(
-        structure,
-        stack.mask,
-        knowledge,
-        lights=lights,
-        uniform=uniform_share(found.model, found.light),
-    )
+    lights = found.model.points(found.light)[:, 0] if has_one_point(found.model) else None
+
+    def cues_of(cells: int) -> Cues:
+        return Cues(
+            structure,
+            stack.mask,
+            knowledge,
+            lights=lights,
+            uniform=uniform_share(found.model, found.light),
+            cells=cells,
+        )
+
+    cues = cues_of(MOST_CELLS)
     if isinstance(found.model, HarmonicLight):
         aligned = nearest_lorentz(_unit(found.b), _unit(start))
         transformation = best_of(cues, [aligned[1:]], boosted, 6)
     else:
         back, *_ = np.linalg.lstsq(found.b, start, rcond=None)
-        starts = [back.T]
+        integrable = integrable_rows(_unit(found.b).T, cells_of(stack.mask))
+        starts = [back.T, integrable / np.linalg.norm(integrable, axis=1, keepdims=True)]
         metric = None if lights is None else equal_strength_metric(lights)
         if metric is not None:
             starts.append(best_rotation(cues, np.linalg.inv(np.linalg.cholesky(metric)), rng))
         transformation = best_linear(cues, starts)
+    cues = cues_of(ALL_CELLS)
+    move, parameters = (boosted, 6) if len(structure) == 4 else (shifted, 9)
+    transformation = improved(cues, transformation, move, parameters)
     return Refined(
         found.model,
         found.light * unit,
@@ -207,12 +197,13 @@ class _Explanation:
 
 
 def _explained(
+    stack: ImageStack,
     values: Float[np.ndarray, "F p"],
-    usable: Bool[np.ndarray, "F p"],
     start: Float[np.ndarray, "p 3"],
     rng: np.random.Generator,
 ) -> _Explanation:
     """Return single sources if they explain the images about as well as many do, or many."""
+    usable = stack.usable
     lit = np.flatnonzero(values.max(axis=0) > 0)
     some = rng.permutation(lit)[:PIXELS]
     single = single_sources(values, usable, start, some)
@@ -229,60 +220,30 @@ def _explained(
     )
     if scale < EXPLAINED:
         return by_single
-    model, fit = _many_sources(values[:, some], start[some])
+    seen = np.ones(values.shape, dtype=bool)
+    starts = [start, leading_dimensions(values)]
+    fit = many_sources(values[:, some], seen[:, some], [b[some] for b in starts])
     lit = single.lit[:, some]
-    left_by_many = values[:, some] - model.predict(fit.light, fit.b)
-    gained = _misfit(left[:, some][lit], single.light.size + 3 * len(some)) - _misfit(
+    left_by_many = values[:, some] - fit.model.predict(fit.light, fit.b)
+    gained = misfit(left[:, some][lit], single.light.size + 3 * len(some)) - misfit(
         left_by_many[lit], int(np.count_nonzero(fit.light)) + fit.b.size
     )
     if gained < GAIN:
         return by_single
     # The fit may have drifted along a linear map, which the pixels not fitted yet must follow.
-    drift, *_ = np.linalg.lstsq(start[some], fit.b, rcond=None)
-    b, weights = fit_robustly(values, model, fit.light, start @ drift)
-    scale = robust_scale(values - model.predict(fit.light, b))
-    return _Explanation(model, fit.light, b, weights, scale, fit.energies, fit.converged)
+    b = starts[fit.start]
+    drift, *_ = np.linalg.lstsq(b[some], fit.b, rcond=None)
+    b, weights = fit_robustly(values, fit.model, fit.light, b @ drift)
+    scale = robust_scale(values - fit.model.predict(fit.light, b))
+    return _Explanation(fit.model, fit.light, b, weights, scale, fit.energies, fit.converged)
 
 
-def _many_sources(
-    values: Float[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
-) -> tuple[LightModel, JointFit]:
-    """Return points and uniform light, or degree 2, whichever explains these pixels better.
+def leading_dimensions(values: Float[np.ndarray, "F p"]) -> Float[np.ndarray, "p 3"]:
+    """Return the first three singular vectors as scaled normals, the first towards the viewer.
 
-    Both get a few steps; the winner goes on with observations weighed by Cauchy's loss.
+    Images are positive, so the first singular vector is of one sign. On reliefs, where a method of
+    more dimensions may go astray, the three nearly span the scaled normals.
     """
-    dense = dense_light()
-    spread = fit_dense_light(values, dense, b)
-    smooth = HarmonicLight(2)
-    images = scaled_normal_images(b, 2)
-    starts: list[tuple[LightModel, Float[np.ndarray, "F q"]]] = [
-        (PointLights(POINTS, ambient=True), points_of(spread, dense, POINTS)),
-        (smooth, np.linalg.lstsq(images.T, values.T, rcond=None)[0].T),
-    ]
-    found = [
-        (model, fit_jointly(values, model, light, b, iterations=TRIAL_STEPS))
-        for model, light in starts
-    ]
-    model, fit = min(found, key=lambda each: _criterion(values, *each))
-    for _ in range(ROUNDS):
-        residual = values - model.predict(fit.light, fit.b)
-        scale = robust_scale(residual)
-        if scale < SMALL:
-            break
-        weights = cauchy_weights(residual, scale)
-        fit = fit_jointly(values, model, fit.light, fit.b, weights=weights, iterations=STEPS)
-    return model, fit
-
-
-def _criterion(values: Float[np.ndarray, "F p"], model: LightModel, fit: JointFit) -> float:
-    """Return Bayes' information criterion of a fit, its residual's scale being unknown."""
-    variance = 2 * float(fit.energies[-1]) / values.size + SMALL**2
-    unknowns = np.count_nonzero(fit.light) + fit.b.size
-    return values.size * np.log(variance) + unknowns * np.log(values.size)
-
-
-def _misfit(residual: Float[np.ndarray, "n"], unknowns: int) -> float:
-    """Return the criterion for an observation, its noise distributed as Cauchy's."""
-    scale = robust_scale(residual) + SMALL
-    surprise = 2 * (np.log(scale) + np.log1p((residual / scale) ** 2).mean())
-    return float(surprise + unknowns * np.log(residual.size) / residual.size)
+    first, second, third = factorize(values, 3).structure
+    b = np.stack([second, third, first * np.sign(first.sum())], axis=1)
+    return b / np.linalg.norm(b, axis=1).mean()

@@ -56,7 +56,7 @@ def image_stack(
     *,
     minimum: int = 4,
     dark: float | None = None,
-    saturated: float = np.inf,
+    saturated: Bool[np.ndarray, "F H W"] | None = None,
 ) -> ImageStack:
     """Check linear photographs and lay their masked pixels out as a matrix.
 
@@ -71,13 +71,13 @@ def image_stack(
     dark
         Value up to which a pixel counts as dark; 1 % of the 99th percentile if not given.
     saturated
-        Value from which a pixel counts as saturated.
+        Which observations the camera clipped; none if not given.
 
     Raises
     ------
     ArgumentError
-        On too few images, a mask that is empty or of another size, NaN, negative values, or
-        images that are all alike up to exposure.
+        On too few images, a mask that is empty or of another size, NaN, negative values,
+        images that are all alike up to exposure, or if everything is saturated.
     """
     images = np.asarray(images)
     if images.ndim != 3:
@@ -94,8 +94,26 @@ def image_stack(
     values = checks.non_negative("images", images[:, mask])
     _refuse_alike(values)
     if dark is None:
-        dark = DARK * float(np.percentile(values, 99))
-    return ImageStack(values, mask, (values > dark) & (values < saturated))
+        dark = DARK * float(np.percentile(_some(values), 99))
+    usable = values > dark
+    if saturated is not None:
+        usable &= ~checked_saturation(saturated, images.shape)[:, mask]
+    return ImageStack(values, mask, usable)
+
+
+def checked_saturation(
+    saturated: Bool[np.ndarray, "F H W"], shape: tuple[int, ...]
+) -> Bool[np.ndarray, "F H W"]:
+    """Return which observations are saturated, of the images' shape, some of them not."""
+    saturated = np.asarray(saturated)
+    if saturated.shape != shape or saturated.dtype != bool:
+        raise ArgumentError(
+            f"saturated must tell True or False of every observation, shape {shape}, got "
+            f"{saturated.dtype} of shape {saturated.shape}; compare the images with full scale"
+        )
+    if saturated.all():
+        raise ArgumentError("saturated must leave observations, but is True of all; expose less")
+    return saturated
 
 
 def checked_mask(
@@ -114,11 +132,15 @@ def checked_mask(
 
 
 def _refuse_alike(values: Float[np.ndarray, "F p"]) -> None:
-    # A few thousand pixels tell as much as all.
-    some = values[:, :: max(1, values.shape[1] // 4096)].astype(np.float64)
+    some = _some(values).astype(np.float64)
     singular = np.sqrt(np.maximum(np.linalg.eigvalsh(some @ some.T)[::-1], 0))
     if len(singular) > 1 and singular[1] <= LEAST_VARIATION * singular[0]:
         raise ArgumentError(
             "images must differ in their light, but they are alike up to exposure (rank 1); "
             "move the light between photographs"
         )
+
+
+def _some(values: Float[np.ndarray, "F p"]) -> Float[np.ndarray, "F s"]:
+    """Return a few thousand pixels, which tell as much of a stack's values as all."""
+    return values[:, :: max(1, values.shape[1] // 4096)]

@@ -16,7 +16,7 @@ from scipy.ndimage import binary_erosion
 from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
 from harmface.stereo.confidence import ambiguity_error, noise_error
 from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
-from harmface.stereo.factorization import factorize, interleaved
+from harmface.stereo.factorization import chunks, factorize, interleaved
 from harmface.stereo.first_order import FirstOrder, first_order
 from harmface.stereo.homogeneous import scaled_normal_images
 from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights, is_single
@@ -192,9 +192,11 @@ def harmonic_light(
     values: Float[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"], degree: int
 ) -> Float[np.ndarray, "F K"]:
     """Return the coefficients of least squares for known structure."""
-    images = scaled_normal_images(b, degree)
-    gram = images @ images.T
-    return np.linalg.lstsq(gram, images @ values.T, rcond=1e-12)[0].T
+    gram, right = 0.0, 0.0
+    for some in chunks(len(b), 8 * len(values)):
+        images = scaled_normal_images(b[some], degree)
+        gram, right = gram + images @ images.T, right + images @ values[:, some].T
+    return np.linalg.lstsq(gram, right, rcond=1e-12)[0].T
 
 
 def _convex(

@@ -91,6 +91,21 @@ def test_what_the_user_should_know_is_said(run, capture, tmp_path):
     assert "of the observations are saturated" in notes[1]
 
 
+def test_what_a_channel_clips_is_left_out(run, capture, tmp_path):
+    flashes = np.random.default_rng(0).uniform(0.5, 1, (COUNT, 1)) * (3.0, 1.5, 1.0)
+    np.savetxt(capture / "light_intensities.txt", flashes)
+    for path, flash in zip(sorted(capture.glob("0*.png")), flashes, strict=True):
+        image = read_image(path)
+        write_image(path, np.minimum(image[..., None] * flash, 1), bits=8)
+    outcome = run("stereo", "ball", "--method", "known-lights", "--out", "known")
+    summary = json.loads((tmp_path / "known" / "summary.json").read_text())
+    assert 0.1 < summary["saturated_share"] < 0.5
+    assert summary["mean_angular_error_degrees"] < 0.5
+    assert "saturated and were left out" in outcome.out
+    outcome = run("stereo", "ball", "--method", "4d", "--out", "unknown")
+    assert "observations are saturated: expose less" in outcome.out
+
+
 @pytest.mark.usefixtures("unchecked")
 def test_bad_input_is_refused(capture, check_refused, tmp_path):
     stereo = ("stereo", "ball", "--out", "surface")

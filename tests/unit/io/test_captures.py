@@ -102,14 +102,15 @@ def test_srgb_is_undone_on_request_and_jpeg_remarked_on(tmp_path):
     assert np.allclose(decoded.images, srgb_to_linear(found.images), atol=1e-6)
 
 
-def test_saturation_is_counted_within_the_mask(tmp_path):
+def test_observations_saturated_in_any_channel_are_told(tmp_path):
+    expected = np.zeros((4, *SHAPE), bool)
     for number in range(4):
-        codes = np.full((*SHAPE, 3), 90, np.uint8)
-        codes[0] = 255
-        codes[1, 1, number % 3] = 255
+        codes = np.full((*SHAPE, 3), 254, np.uint8)
+        codes[number, :, number % 3] = 255
+        expected[number, number] = True
         Image.fromarray(codes).save(tmp_path / f"{number}.png")
-    mask = save_mask(tmp_path / "mask.png")
-    assert read_capture([tmp_path]).saturated == 1 / mask.sum()
+    (tmp_path / "light_intensities.txt").write_text("2 3 4\n" * 4)
+    assert np.array_equal(read_capture([tmp_path]).saturated, expected)
 
 
 def test_reading_reports_its_progress(tmp_path):

@@ -4,7 +4,6 @@ import pytest
 from harmface.stereo import angular_errors, without_linear_map, without_lorentz
 from harmface.stereo.joint import fit_jointly
 from harmface.stereo.light_models import HarmonicLight, PointLights
-from harmface.stereo.non_negative import dense_light, fit_dense_light, points_of
 from harmface.stereo.per_pixel import fit_normals
 
 
@@ -80,20 +79,3 @@ def test_weights_of_zero_leave_outliers_out(ball, single_lights):
     start = ball.b + 0.1
     b = fit_normals(images, PointLights(1, ambient=False), single_lights, start, weights=weights)
     assert np.abs(b - ball.b).max() < 1e-6
-
-
-def test_dense_light_is_not_negative_and_finds_its_own(ball, rng):
-    model = dense_light()
-    light = np.zeros((3, len(model.directions) + 1))
-    facing = np.flatnonzero(model.directions[:, 2] > 0.3)
-    light[np.arange(3), facing[[0, 9, 20]]] = 1.0
-    light[:, -1] = 0.2
-    images = model.predict(light, ball.b)
-    found = fit_dense_light(images, model, ball.b)
-    assert (found >= 0).all()
-    assert np.abs(found - light).max() < 1e-3
-    weights = rng.uniform(0.2, 1, images.shape)
-    assert np.abs(fit_dense_light(images, model, ball.b, weights) - light).max() < 1e-3
-    points = points_of(light, model, 2)
-    assert np.allclose(points[:, :3], model.directions[facing[[0, 9, 20]]])
-    assert np.allclose(points[:, 3:], [0, 0, 0, 0.2])

@@ -10,6 +10,7 @@ from harmface.stereo import (
     point_source_structure,
     without_rotation,
 )
+from harmface.stereo.known_lights import normals_from_few, robust_weights
 
 
 def unit(b):
@@ -35,6 +36,49 @@ def test_robust_fit_withstands_highlights_and_cast_shadows(hills, single_lights,
     # 0.5 % of noise on albedo 0.6 over some 20 images: 0.0083 / sqrt(20 / 3) rad = 0.2 degrees.
     assert error < 0.6
     assert error < 0.1 * angular_errors(unit(plain), hills.normals).mean()
+
+
+def test_few_lit_observations_are_explained_with_the_dark_ones(ball, single_lights, rng):
+    lights = single_lights[::5]
+    images = ball.images(lights, np.eye(len(lights)))
+    usable = np.ones(images.shape, bool)
+    usable[0] = rng.random(len(ball.b)) < 0.5
+    few = ((images > 0) & usable).sum(axis=0) == 2
+    assert few.sum() > 100
+    values, usable = np.where(usable, images, 9.0)[:, few], usable[:, few]
+    b = normals_from_few(values, lights, usable)
+    # Two equations and the horizons of the dark lights can all be met.
+    left = np.where(usable, np.maximum(lights @ b.T, 0) - values, 0)
+    assert np.abs(left).max() < 1e-6
+    by_lit_alone = normals_from_directions(values, lights, usable=usable & (values > 0))
+    errors = [angular_errors(unit(each), ball.normals[few]).mean() for each in (b, by_lit_alone)]
+    assert errors[0] < errors[1]
+
+
+def test_outliers_are_told_where_enough_is_lit(single_lights, rng):
+    lights = single_lights[:12]
+    b = np.array([0.1, 0.2, 0.9]) + 0.1 * rng.standard_normal((40, 3))
+    predicted = lights @ b.T
+    values = predicted + 1e-3 * rng.standard_normal(predicted.shape)
+    values[0] += 0.3
+    usable = np.ones(values.shape, bool)
+    usable[5:, :20] = False
+    weights = robust_weights(values, predicted, usable)
+    assert np.array_equal(weights[:, :20], usable[:, :20])
+    # 300 deviations, three times as bad for being above: (2.385 / 900)^2.
+    assert weights[0, 20:].max() < 1e-4
+    assert np.median(weights[1:, 20:]) > 0.5
+
+
+def test_what_is_saturated_may_be_left_out_of_harmonic_light(hills, rng):
+    light = np.concatenate([rng.uniform(4, 6, (20, 1)), rng.standard_normal((20, 8))], axis=1)
+    images = light @ harmonic_images(hills.normals, hills.albedo, 2)
+    level = np.percentile(images, 90)
+    clipped = np.minimum(images, level)
+    b = normals_from_coefficients(clipped, light, usable=images < level)
+    assert angular_errors(unit(b), hills.normals).max() < 1e-4
+    bent = normals_from_coefficients(clipped, light)
+    assert angular_errors(unit(bent), hills.normals).mean() > 0.5
 
 
 @pytest.mark.parametrize(

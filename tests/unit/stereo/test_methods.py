@@ -15,8 +15,9 @@ from harmface.stereo import (
     without_convexity,
     without_linear_map,
 )
-from harmface.stereo.cues import Knowledge, outline_of
+from harmface.stereo.cues import NOTHING, Knowledge, outline_of
 from harmface.stereo.light_models import HarmonicLight, PointLights
+from harmface.stereo.many_sources import POINTS
 
 
 def error(b, scene):
@@ -87,9 +88,29 @@ def test_several_sources_are_not_taken_for_one(ball, several_sources, rng, monke
     monkeypatch.setattr(refinement, "PIXELS", 400)
     start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
     found = refine(ball.stack(several_sources), start, Knowledge(outline_of(ball.mask)))
-    assert found.model == PointLights(4, ambient=True)
+    assert found.model == PointLights(POINTS, ambient=True)
     # Noise of 1 % leaves the linear map vague: 0.6 to 0.9 from three starts.
     assert error(found.b, ball) < 1.5
+
+
+def test_a_flash_in_a_lit_room_is_one_point(ball, single_lights, rng):
+    images = np.maximum(single_lights @ ball.b.T, 0) + 0.1 * ball.albedo
+    images *= 1 + 0.01 * rng.standard_normal(images.shape)
+    start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
+    found = refine(ball.stack(images), start, Knowledge(outline_of(ball.mask)))
+    assert found.model == PointLights(1, ambient=True)
+    assert error(found.b, ball) < 1
+
+
+def test_a_start_gone_astray_is_left_for_the_leading_dimensions(hills, rng):
+    """On a relief they nearly span the scaled normals, whatever the start says."""
+    sky = fibonacci_directions(80)
+    weights = np.eye(80)[:32] + 0.7 * np.eye(80)[rng.permutation(45)[:32]]
+    images = hills.images(sky, weights) + 0.3 * hills.albedo
+    astray = rng.standard_normal(hills.b.shape) * 0.5 + (0, 0, 1)
+    found = refine(hills.stack(images), astray, NOTHING)
+    left = without_linear_map(found.structure.T, hills.normals)
+    assert angular_errors(left, hills.normals).mean() < 1
 
 
 def test_smooth_light_is_refined_as_harmonic(ball, rng):

@@ -1,3 +1,4 @@
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from harmface.errors import ArgumentError
 from harmface.rendering import harmonic_images, relight
 from harmface.stereo import (
     angular_errors,
+    factorization,
     image_stack,
     photometric_stereo,
     refine,
@@ -40,6 +42,85 @@ def test_known_coefficients(ball, rng):
     result = photometric_stereo(ball.pictures(images), ball.mask, light=light)
     assert result.report.method == "known coefficients"
     assert np.median(angular_errors(result.normals[ball.mask], ball.normals)) < 1e-4
+    clipped = np.minimum(images, np.percentile(images, 90))
+    clipped, saturated = ball.pictures(clipped), ball.pictures(clipped < images) > 0
+    whole = photometric_stereo(clipped, ball.mask, light=light, saturated=saturated)
+    assert np.median(angular_errors(whole.normals[ball.mask], ball.normals)) < 1e-4
+
+
+@pytest.fixture(scope="module")
+def overexposed(photographs, ball):
+    """A fifth of the observations clipped, each photograph divided by its own exposure."""
+    exposures = np.random.default_rng(4).uniform(0.5, 2, (len(photographs), 1, 1))
+    level = np.percentile((exposures * photographs)[:, ball.mask], 80)
+    exposed = np.minimum(exposures * photographs, level)
+    return exposed / exposures, exposed == level
+
+
+@pytest.mark.parametrize("robust", [False, True])
+def test_saturated_observations_are_left_out(ball, overexposed, single_lights, robust):
+    images, saturated = overexposed
+    known = {"light": single_lights, "robust": robust}
+    result = photometric_stereo(images, ball.mask, saturated=saturated, **known)
+    seen = result.expected_error[ball.mask] < 90
+    assert seen.mean() > 0.95
+    errors = angular_errors(result.normals[ball.mask], ball.normals)
+    assert errors[seen].max() < 1e-4
+    assert any("saturated and were left out" in warning for warning in result.report.warnings)
+    assert error(photometric_stereo(images, ball.mask, **known), ball) > 1
+
+
+def test_saturated_observations_under_unknown_light(ball, overexposed):
+    images, saturated = overexposed
+    result = photometric_stereo(images, ball.mask, saturated=saturated, order=1, outline=True)
+    assert result.report.light_model == "one point"
+    assert error(result, ball) < 1
+    assert any("saturated and were left out" in warning for warning in result.report.warnings)
+    linear = photometric_stereo(images, ball.mask, saturated=saturated, order=1, refine=False)
+    assert any("expose less" in warning for warning in linear.report.warnings)
+
+
+def test_pixels_that_too_few_lights_reach_are_guesses(ball, photographs, single_lights):
+    some = np.arange(0, 24, 6)
+    images = photographs[some]
+    result = photometric_stereo(images, ball.mask, light=single_lights[some])
+    few = (images[:, ball.mask] > 0).sum(axis=0) < 3
+    assert few.mean() > 0.01
+    expected = result.expected_error[ball.mask]
+    assert (expected[few] == 90).all()
+    # By the lit observations alone they would be 21 degrees off.
+    assert angular_errors(result.normals[ball.mask], ball.normals)[few].mean() < 18
+    assert np.median(expected[~few]) < 1
+    assert any("their normals are guesses" in warning for warning in result.report.warnings)
+
+
+def test_observations_that_bent_a_plain_fit_count_in_its_expected_error(ball, single_lights, rng):
+    images = ball.images(single_lights, np.eye(24))
+    images[rng.random(images.shape) < 0.1] += 0.5
+    images = ball.pictures(np.abs(images + 0.005 * rng.standard_normal(images.shape)))
+    expected = {}
+    for robust in (False, True):
+        result = photometric_stereo(images, ball.mask, light=single_lights, robust=robust)
+        expected[robust] = result.expected_error[ball.mask].mean()
+        # A standard deviation, of errors that differ from pixel to pixel.
+        assert expected[robust] == pytest.approx(error(result, ball), rel=0.3)
+    assert expected[True] < 0.2 * expected[False]
+
+
+def test_known_light_takes_little_more_memory_than_the_stack(rng, monkeypatch):
+    monkeypatch.setattr(factorization, "CHUNK", 2**17)
+    lights = rng.standard_normal((100, 3)) * 0.2 + (0, 0, 1)
+    b = rng.uniform((-0.5, -0.5, 0.5), (0.5, 0.5, 1.5), (192, 192, 3))
+    images = np.maximum(np.einsum("fi,hwi->fhw", lights, b), 0)
+    done = []
+    tracemalloc.start()
+    photometric_stereo(images, light=lights, progress=done.append)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # The masked copy, which observations are usable, and some hundred numbers a pixel.
+    assert peak < 2 * images.nbytes
+    assert len(done) > 100
+    assert done == sorted(done)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,9 @@ IMAGES = RNG.uniform(0.1, 1.0, (6, 5, 7))
         ({"mask": np.ones((7, 5), bool)}, "mask must have the images' size"),
         ({"images": np.where(IMAGES > 0.5, np.nan, IMAGES)}, "finite"),
         ({"images": -IMAGES}, "must not be negative"),
+        ({"saturated": IMAGES[1:] > 0.9}, r"saturated must tell .* got bool of shape \(5, 5, 7\)"),
+        ({"saturated": IMAGES}, "saturated must tell .* got float64"),
+        ({"saturated": IMAGES > 0}, "saturated must leave observations"),
         ({"images": np.arange(1.0, 7)[:, None, None] * IMAGES[:1]}, "alike up to exposure"),
     ],
 )
@@ -37,11 +40,15 @@ def test_values_are_the_masked_pixels_and_go_back():
 
 def test_dark_and_saturated_pixels_are_known():
     images = IMAGES.copy()
-    images[0, 0, 0], images[1, 2, 3] = 0.0, 5.0
-    usable = image_stack(images, saturated=4.0).usable.reshape(images.shape)
-    assert not usable[0, 0, 0]
-    assert not usable[1, 2, 3]
-    assert usable.sum() == usable.size - 2
+    images[0, 0, 0] = 0.0
+    saturated = np.zeros(images.shape, bool)
+    saturated[1, 2, 3] = saturated[4, 0, 6] = True
+    mask = np.ones((5, 7), bool)
+    mask[0, 6] = False
+    stack = image_stack(images, mask, saturated=saturated)
+    expected = ~saturated[:, mask]
+    expected[0, 0] = False
+    assert np.array_equal(stack.usable, expected)
 
 
 def test_precision_is_kept():

@@ -1,0 +1,218 @@
+"""Structure under light from anywhere: non-negative points and uniform light, or degree 2.
+
+Points have many false optima: two that are 40 degrees apart are easily taken for one, and no small
+step parts them again. Light from many fixed directions has none, once the structure is given,
+and alternating with the structure it soon explains the images as well as the truth does. It
+leaves the linear map of the structure open, though, which few points and uniform light do not.
+So dense light starts; what it gathers around becomes points; and light and structure are
+improved together, with dense light asked again each time whether it knows better points.
+
+References
+----------
+.. [BSR17] Boyd, Schiebinger and Recht, The Alternating Descent Conditional Gradient Method for
+   Sparse Inverse Problems, SIAM J. Optimization 2017.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.joint import JointFit, fit_jointly
+from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
+from harmface.stereo.non_negative import dense_light, fit_dense_light, points_of
+from harmface.stereo.per_image import fit_light
+from harmface.stereo.per_pixel import fit_normals
+from harmface.stereo.robust import cauchy_weights, robust_scale
+
+POINTS = 6
+"""Points of an image: up to four are common, and two more cost less than one that is missed."""
+
+COARSE = 100
+"""Directions that structure is found with, about 20 degrees apart: a cosine lobe is far wider."""
+
+FINE = 400
+"""Directions that points are found with."""
+
+ALTERNATIONS = 10
+"""Times that dense light and structure are fitted in turn."""
+
+PRICES = (1.0, 4.0)
+"""Prices of a direction, in deviations of the noise: the lower parts points that are near, the
+higher is not misled by what the structure still lacks."""
+
+ROUNDS = 4
+"""Times that points are looked for and improved together with the structure."""
+
+STEPS = 15
+"""Steps of each joint fit of points."""
+
+TRIAL_STEPS = 30
+"""Steps of the joint fits of one point and of degree 2 before models are compared."""
+
+REWEIGHTED_STEPS = 25
+"""Steps after each reweighting, once it was chosen."""
+
+SMALL = 1e-4
+"""Residual, relative to the mean image, that counts as none."""
+
+
+@dataclass(frozen=True, eq=False)
+class ManySources:
+    """Light and structure of some pixels.
+
+    Parameters
+    ----------
+    model, light
+        How light makes an image, and the parameters of each image.
+    b
+        Scaled normals.
+    start
+        Which of the starts they came from.
+    energies, converged
+        Of the last joint fit, see `JointFit`.
+    """
+
+    model: LightModel
+    light: Float[np.ndarray, "F q"]
+    b: Float[np.ndarray, "p 3"]
+    start: int
+    energies: Float[np.ndarray, "n"]
+    converged: bool
+
+
+def many_sources(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    starts: list[Float[np.ndarray, "p 3"]],
+) -> ManySources:
+    """Return points and uniform light, or degree 2, whichever explains these pixels better.
+
+    Parameters
+    ----------
+    values
+        Images as rows of pixels, of mean about 1.
+    seen
+        Observations that are not saturated.
+    starts
+        Candidates for the scaled normals up to a linear map, that of the second order first.
+    """
+    candidates = [_under_dense_light(values, seen, b) for b in starts]
+    start = int(np.argmin([scale for _, scale in candidates]))
+    several = _points(values, seen, candidates[start][0])
+    found = [(start, *several), (start, *_one_point(values, seen, *several))]
+    found.append((0, *_smooth(values, seen, starts[0])))
+    start, model, fit = min(found, key=lambda each: _misfit_of(values, seen, *each[1:]))
+    fit = _reweighted(values, seen, model, fit)
+    return ManySources(model, fit.light, fit.b, start, fit.energies, fit.converged)
+
+
+def misfit(residual: Float[np.ndarray, "n"], unknowns: int) -> float:
+    """Return Bayes' information criterion for an observation, its noise distributed as Cauchy's."""
+    scale = robust_scale(residual) + SMALL
+    surprise = 2 * (np.log(scale) + np.log1p((residual / scale) ** 2).mean())
+    return float(surprise + unknowns * np.log(residual.size) / residual.size)
+
+
+def _misfit_of(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    model: LightModel,
+    fit: JointFit,
+) -> float:
+    residual = values - model.predict(fit.light, fit.b)
+    return misfit(residual[seen], int(np.count_nonzero(fit.light)) + fit.b.size)
+
+
+def _weights(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    predicted: Float[np.ndarray, "F p"],
+) -> Float[np.ndarray, "F p"]:
+    residual = values - predicted
+    return seen * cauchy_weights(residual, max(robust_scale(residual[seen]), SMALL))
+
+
+def _under_dense_light(
+    values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
+) -> tuple[Float[np.ndarray, "p 3"], float]:
+    """Return scaled normals by alternation with dense light, and the scale of what they leave."""
+    model = dense_light(COARSE)
+    weights = seen.astype(np.float64)
+    for done in range(ALTERNATIONS):
+        light = fit_dense_light(values, model, b, weights=weights)
+        b = fit_normals(values, model, light, b, weights=weights, steps=3)
+        if done >= ALTERNATIONS // 2:
+            weights = _weights(values, seen, model.predict(light, b))
+    return b, robust_scale((values - model.predict(light, b))[seen])
+
+
+def _points(
+    values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
+) -> tuple[PointLights, JointFit]:
+    """Return points and structure from a start ([BSR17]_: add, then descend, again and again)."""
+    model, dense = PointLights(POINTS, ambient=True), dense_light(FINE)
+    spread = fit_dense_light(values, dense, b, weights=seen.astype(np.float64))
+    predicted = dense.predict(spread, b)
+    light, energy = None, np.full(len(values), np.inf)
+    for _ in range(ROUNDS):
+        weights = _weights(values, seen, predicted)
+        scale = max(robust_scale((values - predicted)[seen]), SMALL)
+        if light is None:
+            light = points_of(spread, dense, b, POINTS)
+        else:
+            energy = (weights * (values - predicted) ** 2).sum(axis=1)
+        for price in PRICES:
+            spread = fit_dense_light(values, dense, b, weights=weights, price=price * scale)
+            tried, left = fit_light(values, model, points_of(spread, dense, b, POINTS), b, weights)
+            better = left < energy
+            light = np.where(better[:, None], tried, light)
+            energy = np.where(better, left, energy)
+        fit = fit_jointly(values, model, light, b, weights=weights, iterations=STEPS)
+        light, b = fit.light, fit.b
+        predicted = model.predict(light, b)
+    return model, fit
+
+
+def _one_point(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    several: PointLights,
+    fit: JointFit,
+) -> tuple[LightModel, JointFit]:
+    """Return the strongest of several points alone, with uniform light: a flash in a lit room."""
+    model = PointLights(1, ambient=True)
+    points = several.points(fit.light)
+    strongest = np.linalg.norm(points, axis=2).argmax(axis=1)
+    light = np.hstack([points[np.arange(len(points)), strongest], fit.light[:, -1:]])
+    weights = seen.astype(np.float64)
+    light, _ = fit_light(values, model, light, fit.b, weights)
+    return model, fit_jointly(values, model, light, fit.b, weights=weights, iterations=TRIAL_STEPS)
+
+
+def _smooth(
+    values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
+) -> tuple[LightModel, JointFit]:
+    model = HarmonicLight(2)
+    light = np.linalg.lstsq(scaled_normal_images(b, 2).T, values.T, rcond=None)[0].T
+    weights = seen.astype(np.float64)
+    return model, fit_jointly(values, model, light, b, weights=weights, iterations=TRIAL_STEPS)
+
+
+def _reweighted(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    model: LightModel,
+    fit: JointFit,
+) -> JointFit:
+    """Return a fit continued with observations weighed by Cauchy's loss."""
+    for _ in range(2):
+        predicted = model.predict(fit.light, fit.b)
+        if robust_scale((values - predicted)[seen]) < SMALL:
+            break
+        weights = _weights(values, seen, predicted)
+        fit = fit_jointly(
+            values, model, fit.light, fit.b, weights=weights, iterations=REWEIGHTED_STEPS
+        )
+    return fit
