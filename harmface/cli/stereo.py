@@ -54,6 +54,14 @@ def stereo(
     symmetric: Annotated[
         bool, typer.Option("--symmetric", help="The object is symmetric about its vertical axis.")
     ] = False,
+    smoothness: Annotated[
+        float | None,
+        typer.Option(
+            help="Fit refined or known-lights normals once more as those of one surface whose "
+            "slopes change by about 1/SMOOTHNESS a pixel: 1 evens out noise, 3 is for few or "
+            "noisy photographs."
+        ),
+    ] = None,
     focal: Annotated[
         float | None,
         typer.Option(
@@ -114,6 +122,7 @@ def stereo(
             symmetric=symmetric,
             robust=known,
             saturated=capture.saturated,
+            smoothness=smoothness,
             progress=report,
         )
         # At the rim noise may turn a normal away from the camera: no depth has such a slope.

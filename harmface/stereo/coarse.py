@@ -41,8 +41,11 @@ def coarse_stack(stack: ImageStack, factor: int) -> ImageStack:
     # Sorted by block, every block is a run of equal length.
     order = np.flatnonzero(inside)[np.argsort(place[inside], kind="stable")]
     values = np.stack([image[order].reshape(-1, factor**2).mean(axis=1) for image in stack.values])
-    usable = np.stack([image[order].reshape(-1, factor**2).all(axis=1) for image in stack.usable])
-    return ImageStack(values, whole, usable)
+
+    def everywhere(flags: Bool[np.ndarray, "F p"]) -> Bool[np.ndarray, "F c"]:
+        return np.stack([image[order].reshape(-1, factor**2).all(axis=1) for image in flags])
+
+    return ImageStack(values, whole, everywhere(stack.seen), everywhere(stack.usable))
 
 
 def spread_over(

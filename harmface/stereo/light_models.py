@@ -164,6 +164,42 @@ class DenseLight:
         return slope + light[:, -1:, None] * (b / length)
 
 
+@dataclass(frozen=True, eq=False)
+class Mapped:
+    """A model of what a linear map makes of the scaled normals: `f(l, A b)`.
+
+    Light that a fit found belongs to its own choice of the linear map that images leave open.
+
+    Parameters
+    ----------
+    model
+        The model f.
+    map
+        A.
+    """
+
+    model: LightModel
+    map: Float[np.ndarray, "3 3"]
+
+    def predict(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p"]:
+        """Return the images of A b."""
+        return self.model.predict(light, b @ self.map.T)
+
+    def by_light(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F q p"]:
+        """Return the model's derivatives at A b."""
+        return self.model.by_light(light, b @ self.map.T)
+
+    def by_normal(
+        self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
+    ) -> Float[np.ndarray, "F p 3"]:
+        """Return the model's derivatives at A b, times A."""
+        return self.model.by_normal(light, b @ self.map.T) @ self.map
+
+
 def has_one_point(model: LightModel) -> TypeGuard[PointLights]:
     """Return whether light comes from one point in each image, uniform light aside."""
     return isinstance(model, PointLights) and model.count == 1

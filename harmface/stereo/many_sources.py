@@ -68,8 +68,6 @@ class ManySources:
         How light makes an image, and the parameters of each image.
     b
         Scaled normals.
-    start
-        Which of the starts they came from.
     energies, converged
         Of the last joint fit, see `JointFit`.
     """
@@ -77,7 +75,6 @@ class ManySources:
     model: LightModel
     light: Float[np.ndarray, "F q"]
     b: Float[np.ndarray, "p 3"]
-    start: int
     energies: Float[np.ndarray, "n"]
     converged: bool
 
@@ -85,7 +82,8 @@ class ManySources:
 def many_sources(
     values: Float[np.ndarray, "F p"],
     seen: Bool[np.ndarray, "F p"],
-    starts: list[Float[np.ndarray, "p 3"]],
+    second_order: Float[np.ndarray, "p 3"],
+    under_dense: Float[np.ndarray, "p 3"],
 ) -> ManySources:
     """Return points and uniform light, or degree 2, whichever explains these pixels better.
 
@@ -95,20 +93,47 @@ def many_sources(
         Images as rows of pixels, of mean about 1.
     seen
         Observations that are not saturated.
-    starts
-        Candidates for the scaled normals up to a linear map, that of the second order first.
+    second_order
+        Scaled normals that degree 2 starts from.
+    under_dense
+        Scaled normals that points start from, see `under_dense_light`.
     """
-    candidates = [_under_dense_light(values, seen, b) for b in starts]
-    start = int(np.argmin([scale for _, scale in candidates]))
-    several = _points(values, seen, candidates[start][0])
-    found = [(start, *several), (start, *_one_point(values, seen, *several))]
-    found.append((0, *_smooth(values, seen, starts[0])))
-    start, model, fit = min(found, key=lambda each: _misfit_of(values, seen, *each[1:]))
-    fit = _reweighted(values, seen, model, fit)
-    return ManySources(model, fit.light, fit.b, start, fit.energies, fit.converged)
+    model, points = _points(values, seen, under_dense)
+    found: list[tuple[LightModel, JointFit]] = [
+        (model, points),
+        _one_point(values, seen, model, points),
+        _smooth(values, seen, second_order),
+    ]
+    best, fit = min(found, key=lambda each: _misfit_of(values, seen, *each))
+    fit = _reweighted(values, seen, best, fit)
+    return ManySources(best, fit.light, fit.b, fit.energies, fit.converged)
 
 
-def misfit(residual: Float[np.ndarray, "n"], unknowns: int) -> float:
+def under_dense_light(
+    values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
+) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
+    """Return scaled normals by alternation with dense light, and what they leave of the images.
+
+    Hardly any light leaves less, so this bounds what other models can gain.
+
+    Parameters
+    ----------
+    values, seen
+        As in `many_sources`.
+    b
+        Scaled normals to start from, up to a linear map.
+    """
+    model = dense_light(COARSE)
+    weights = seen.astype(np.float64)
+    for done in range(ALTERNATIONS):
+        light = fit_dense_light(values, model, b, weights=weights)
+        b = fit_normals(values, model, light, b, weights=weights, steps=3)
+        if done >= ALTERNATIONS // 2:
+            weights = _weights(values, seen, model.predict(light, b))
+    return b, values - model.predict(light, b)
+
+
+def misfit(residual: Float[np.ndarray, "n"], unknowns: int = 0) -> float:
     """Return Bayes' information criterion for an observation, its noise distributed as Cauchy's."""
     scale = robust_scale(residual) + SMALL
     surprise = 2 * (np.log(scale) + np.log1p((residual / scale) ** 2).mean())
@@ -132,20 +157,6 @@ def _weights(
 ) -> Float[np.ndarray, "F p"]:
     residual = values - predicted
     return seen * cauchy_weights(residual, max(robust_scale(residual[seen]), SMALL))
-
-
-def _under_dense_light(
-    values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
-) -> tuple[Float[np.ndarray, "p 3"], float]:
-    """Return scaled normals by alternation with dense light, and the scale of what they leave."""
-    model = dense_light(COARSE)
-    weights = seen.astype(np.float64)
-    for done in range(ALTERNATIONS):
-        light = fit_dense_light(values, model, b, weights=weights)
-        b = fit_normals(values, model, light, b, weights=weights, steps=3)
-        if done >= ALTERNATIONS // 2:
-            weights = _weights(values, seen, model.predict(light, b))
-    return b, robust_scale((values - model.predict(light, b))[seen])
 
 
 def _points(

@@ -1,7 +1,7 @@
 """Scaled normals of each pixel by itself, the light being given."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from harmface.stereo.abreast import fit_abreast
 from harmface.stereo.factorization import chunks
@@ -51,15 +51,21 @@ def fit_normals(
 
 def fit_robustly(
     values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
     model: LightModel,
     light: Float[np.ndarray, "F q"],
     start: Float[np.ndarray, "p 3"],
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
     """Return scaled normals fitted with Cauchy weights about a first fit, and the weights.
 
-    Arguments as in `fit_normals`.
+    Parameters
+    ----------
+    values, model, light, start
+        As in `fit_normals`.
+    seen
+        Observations that are not saturated.
     """
-    b = fit_normals(values, model, light, start)
+    b = fit_normals(values, model, light, start, weights=seen.astype(np.float64))
     residual = values - model.predict(light, b)
-    weights = cauchy_weights(residual, robust_scale(residual))
+    weights = seen * cauchy_weights(residual, robust_scale(residual[seen]))
     return fit_normals(values, model, light, b, weights=weights), weights

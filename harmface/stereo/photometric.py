@@ -22,6 +22,7 @@ from harmface.stereo.cues import KnownNormals
 from harmface.stereo.encoding import looks_gamma_encoded
 from harmface.stereo.factorization import chunks, factorize, interleaved
 from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.integrable_fit import of_one_surface
 from harmface.stereo.known_lights import (
     normals_from_coefficients,
     normals_from_directions,
@@ -58,6 +59,7 @@ def photometric_stereo(
     symmetric: bool = False,
     robust: bool = False,
     saturated: Bool[np.ndarray, "F H W"] | None = None,
+    smoothness: float | None = None,
     rng: np.random.Generator | int = 0,
     progress: Callable[[float], None] = lambda done: None,
 ) -> StereoResult:
@@ -89,8 +91,12 @@ def photometric_stereo(
     robust
         With known directions: whether highlights and cast shadows are to be expected.
     saturated
-        Which observations the camera clipped, in any of its channels; none if not given. They are
-        left out under known light and under single sources.
+        Which observations the camera clipped, in any of its channels; none if not given. Only the
+        harmonic methods cannot leave them out.
+    smoothness
+        If given, refined normals, or those under known light, are fitted once more as those of one
+        surface, see `fit_integrable`, whose slopes change by about 1 / smoothness from a pixel
+        to the next: 1 evens out noise, 3 is for few or noisy images, 0 asks for a surface only.
     rng
         Draws starting points and pixels.
     progress
@@ -104,13 +110,19 @@ def photometric_stereo(
     """
     if order not in (1, 2):
         raise ArgumentError(f"order must be 1 or 2, got {order}")
+    if smoothness is not None and not 0 <= smoothness < np.inf:
+        raise ArgumentError(f"smoothness must be at least 0 and finite, got {smoothness}")
+    if smoothness is not None and light is None and not refine:
+        raise ArgumentError(
+            "smoothness needs refinement or known light; the first and second order alone are "
+            "linear in the images' dimensions"
+        )
     rng = checks.generator(rng)
     minimum = 3 if light is not None else (4, 9)[order - 1]
     stack = image_stack(images, mask, minimum=minimum, saturated=saturated)
-    stack = ImageStack(stack.values.astype(np.float64, copy=False), stack.mask, stack.usable)
-    clipped = None if saturated is None else np.asarray(saturated)[:, stack.mask]
+    stack = replace(stack, values=stack.values.astype(np.float64, copy=False))
     if light is not None:
-        found = _under_known_light(stack, clipped, np.asarray(light), robust, progress)
+        found = _under_known_light(stack, np.asarray(light), robust, smoothness, progress)
     else:
         found = recover(
             stack,
@@ -119,11 +131,13 @@ def photometric_stereo(
             outline=outline,
             normals=_known_normals(normals_known, stack.mask),
             symmetric=symmetric,
+            smoothness=smoothness,
             rng=rng,
             progress=progress,
         )
-    if clipped is not None:
-        found = replace(found, warnings=(*found.warnings, *_saturation(found, clipped.mean())))
+    if saturated is not None:
+        said = _saturation(found, 1 - float(stack.seen.mean()))
+        found = replace(found, warnings=(*found.warnings, *said))
     result = _result(stack, found)
     progress(1.0)
     return result
@@ -131,9 +145,9 @@ def photometric_stereo(
 
 def _under_known_light(
     stack: ImageStack,
-    clipped: Bool[np.ndarray, "F p"] | None,
     light: Float[np.ndarray, "F q"],
     robust: bool,
+    smoothness: float | None,
     progress: Callable[[float], None],
 ) -> Recovered:
     """Return every pixel fitted by itself, a share of them at a time to spare memory."""
@@ -149,10 +163,10 @@ def _under_known_light(
         )
     pixels = stack.values.shape[1]
     b, expected, few = np.empty((pixels, 3)), np.empty(pixels), np.empty(pixels, dtype=bool)
+    kept = None if smoothness is None else np.empty(stack.values.shape, np.float32)
     parts = interleaved(pixels, 8 * len(stack.values))
     for number, some in enumerate(parts):
-        values = stack.values[:, some]
-        seen = np.ones(values.shape, bool) if clipped is None else ~clipped[:, some]
+        values, seen = stack.values[:, some], stack.seen[:, some]
         usable = stack.usable[:, some] if is_single(model) else seen
         few[some] = usable.sum(axis=0) < UNKNOWNS
         if is_single(model):
@@ -161,6 +175,8 @@ def _under_known_light(
             b[some] = normals_from_coefficients(values, light, usable=usable)
             weights = usable.astype(np.float64)
         expected[some] = noise_error(values, model, light, b[some], weights)
+        if kept is not None:
+            kept[:, some] = weights
         progress((number + 1) / len(parts))
     warnings: tuple[str, ...] = ()
     if few.mean() > MANY:
@@ -169,6 +185,8 @@ def _under_known_light(
             "dark nor saturated: their normals are guesses",
         )
     expected = np.where(few, 90.0, np.minimum(expected, 90.0))
+    if smoothness is not None and kept is not None:
+        b = of_one_surface(stack, model, light, b, kept, smoothness)
     return Recovered(method, b, expected, "light", warnings=warnings)
 
 
@@ -193,7 +211,7 @@ def _saturation(found: Recovered, share: float) -> tuple[str, ...]:
     """Return what to say of the share of observations that are saturated."""
     if share <= MANY:
         return ()
-    if found.convexity == "light" or found.light_model == "one point":
+    if found.convexity == "light" or found.light_model is not None:
         return (f"{share:.0%} of the observations are saturated and were left out",)
     return (
         f"{share:.0%} of the observations are saturated: expose less, as what is clipped bends "

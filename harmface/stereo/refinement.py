@@ -27,7 +27,7 @@ from harmface.stereo.hayakawa import equal_strength_metric
 from harmface.stereo.integrability import integrable_rows
 from harmface.stereo.light_models import HarmonicLight, LightModel, has_one_point, uniform_share
 from harmface.stereo.lorentz import nearest_lorentz
-from harmface.stereo.many_sources import many_sources, misfit
+from harmface.stereo.many_sources import many_sources, misfit, under_dense_light
 from harmface.stereo.per_pixel import fit_robustly
 from harmface.stereo.robust import robust_scale
 from harmface.stereo.single_sources import SINGLE, single_sources
@@ -203,7 +203,7 @@ def _explained(
     rng: np.random.Generator,
 ) -> _Explanation:
     """Return single sources if they explain the images about as well as many do, or many."""
-    usable = stack.usable
+    usable, seen = stack.usable, stack.seen
     lit = np.flatnonzero(values.max(axis=0) > 0)
     some = rng.permutation(lit)[:PIXELS]
     single = single_sources(values, usable, start, some)
@@ -220,21 +220,26 @@ def _explained(
     )
     if scale < EXPLAINED:
         return by_single
-    seen = np.ones(values.shape, dtype=bool)
+    left, lit = left[:, some], single.lit[:, some]
     starts = [start, leading_dimensions(values)]
-    fit = many_sources(values[:, some], seen[:, some], [b[some] for b in starts])
-    lit = single.lit[:, some]
+    dense = [under_dense_light(values[:, some], seen[:, some], b[some]) for b in starts]
+    best = int(np.argmin([robust_scale(rest[seen[:, some]]) for _, rest in dense]))
+    under_dense, least = dense[best]
+    # Most that another model could gain, as if it had no unknowns.
+    if misfit(left[lit]) - misfit(least[lit]) < GAIN:
+        return by_single
+    fit = many_sources(values[:, some], seen[:, some], start[some], under_dense)
     left_by_many = values[:, some] - fit.model.predict(fit.light, fit.b)
-    gained = misfit(left[:, some][lit], single.light.size + 3 * len(some)) - misfit(
+    gained = misfit(left[lit], single.light.size + 3 * len(some)) - misfit(
         left_by_many[lit], int(np.count_nonzero(fit.light)) + fit.b.size
     )
     if gained < GAIN:
         return by_single
     # The fit may have drifted along a linear map, which the pixels not fitted yet must follow.
-    b = starts[fit.start]
+    b = start if isinstance(fit.model, HarmonicLight) else starts[best]
     drift, *_ = np.linalg.lstsq(b[some], fit.b, rcond=None)
-    b, weights = fit_robustly(values, fit.model, fit.light, b @ drift)
-    scale = robust_scale(values - fit.model.predict(fit.light, b))
+    b, weights = fit_robustly(values, seen, fit.model, fit.light, b @ drift)
+    scale = robust_scale((values - fit.model.predict(fit.light, b))[seen])
     return _Explanation(fit.model, fit.light, b, weights, scale, fit.energies, fit.converged)
 
 

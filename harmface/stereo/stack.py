@@ -26,12 +26,15 @@ class ImageStack:
         Images as rows, over the masked pixels in row-major order.
     mask
         Which pixels of the picture the columns are.
+    seen
+        Which observations are not saturated.
     usable
-        Which observations are neither dark nor saturated.
+        Which of these are not dark either.
     """
 
     values: Float[np.ndarray, "F p"]
     mask: Bool[np.ndarray, "H W"]
+    seen: Bool[np.ndarray, "F p"]
     usable: Bool[np.ndarray, "F p"]
 
     def picture(
@@ -95,10 +98,11 @@ def image_stack(
     _refuse_alike(values)
     if dark is None:
         dark = DARK * float(np.percentile(_some(values), 99))
-    usable = values > dark
-    if saturated is not None:
-        usable &= ~checked_saturation(saturated, images.shape)[:, mask]
-    return ImageStack(values, mask, usable)
+    if saturated is None:
+        seen = np.ones(values.shape, dtype=bool)
+    else:
+        seen = ~checked_saturation(saturated, images.shape)[:, mask]
+    return ImageStack(values, mask, seen, seen & (values > dark))
 
 
 def checked_saturation(

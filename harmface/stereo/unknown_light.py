@@ -19,7 +19,8 @@ from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
 from harmface.stereo.factorization import chunks, factorize, interleaved
 from harmface.stereo.first_order import FirstOrder, first_order
 from harmface.stereo.homogeneous import scaled_normal_images
-from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights, is_single
+from harmface.stereo.integrable_fit import of_one_surface
+from harmface.stereo.light_models import HarmonicLight, LightModel, Mapped, PointLights, is_single
 from harmface.stereo.per_pixel import fit_robustly
 from harmface.stereo.refinement import mapped, structure_of
 from harmface.stereo.refinement import refine as refined
@@ -50,6 +51,7 @@ def recover(
     outline: bool | None,
     normals: KnownNormals | None,
     symmetric: bool,
+    smoothness: float | None,
     rng: np.random.Generator,
     progress: Progress,
 ) -> Recovered:
@@ -61,7 +63,7 @@ def recover(
     ----------
     stack
         Photographs in float64.
-    order, refine, outline, symmetric
+    order, refine, outline, symmetric, smoothness
         As in `photometric_stereo`.
     normals
         Normals measured at some pixels.
@@ -121,8 +123,12 @@ def recover(
         light = harmonic_light(stack.values, raw, order)
         weights = np.broadcast_to(1.0, stack.values.shape)
         cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
+    if b[:, 2].sum() < 0:
+        rows, b = -rows, -b
     noise = noise_error(stack.values, model, light, raw, weights)
     expected = np.minimum(np.hypot(noise, ambiguity_error(cues, rows, extended)), 90.0)
+    if smoothness is not None and fit is not None:
+        b = _of_one_surface(stack, model, light, rows, b, weights, smoothness)
     b, convexity = _convex(b, stack.mask, known)
     return Recovered(
         "refined" if fit is not None else ("first order", "second order")[order - 1],
@@ -183,9 +189,28 @@ def _refitted(
                 values, stack.usable[:, some], light, start[some]
             )
         else:
-            raw[some], weights[:, some] = fit_robustly(values, model, light, start[some])
+            raw[some], weights[:, some] = fit_robustly(
+                values, stack.seen[:, some], model, light, start[some]
+            )
         progress((number + 1) / len(parts))
     return raw, weights
+
+
+def _of_one_surface(
+    stack: ImageStack,
+    model: LightModel,
+    light: Float[np.ndarray, "F q"],
+    rows: Float[np.ndarray, "3 d"],
+    b: Float[np.ndarray, "p 3"],
+    weights: Float[np.ndarray, "F p"],
+    smoothness: float,
+) -> Float[np.ndarray, "p 3"]:
+    """Return scaled normals as those of one surface, under light that was found for `rows^-1 b`."""
+    if isinstance(model, HarmonicLight):
+        light = harmonic_light(stack.values, b, model.degree)
+    else:
+        model = Mapped(model, np.linalg.inv(rows))
+    return of_one_surface(stack, model, light, b, weights, smoothness)
 
 
 def harmonic_light(
@@ -208,8 +233,6 @@ def _convex(
     Measured normals and outlines tell the two apart; without them the rim is made to lean
     outwards, as that of most objects does.
     """
-    if b[:, 2].sum() < 0:
-        b = -b
     if known.normals is not None:
         return b, "known normals"
     if known.outline is not None:

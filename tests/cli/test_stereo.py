@@ -60,6 +60,21 @@ def test_unknown_light_recovers_a_surface(run, capture, tmp_path):
     assert "mean_angular_error_degrees" not in summary
 
 
+def test_smoothness_evens_out_noise(run, check_refused, capture, tmp_path, rng):
+    for path in capture.glob("0*.png"):
+        image = read_image(path)
+        write_image(path, np.clip(image + 0.02 * rng.standard_normal(image.shape), 0, 1))
+    errors = []
+    for more in ((), ("--smoothness", "3")):
+        out = tmp_path / f"surface{len(more)}"
+        outcome = run("stereo", "ball", "--method", "known-lights", *more, "--out", out)
+        assert outcome.code == 0
+        errors.append(json.loads((out / "summary.json").read_text())["mean_angular_error_degrees"])
+    assert errors[1] < 0.9 * errors[0]
+    harmonic = ("stereo", "ball", "--method", "9d", "--smoothness", "3", "--out", "refused")
+    check_refused("smoothness needs refinement", *harmonic)
+
+
 @pytest.mark.parametrize("form", ["obj", "glb"])
 def test_other_meshes_and_views_are_written(run, capture, tmp_path, form):
     known = ("stereo", "ball", "--method", "known-lights", "--focal", "60")

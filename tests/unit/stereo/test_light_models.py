@@ -6,7 +6,7 @@ import pytest
 from harmface.rendering import clamped_cosines, harmonic_images
 from harmface.sphere import fibonacci_directions
 from harmface.stereo.homogeneous import scaled_normal_images
-from harmface.stereo.light_models import DenseLight, HarmonicLight, PointLights
+from harmface.stereo.light_models import DenseLight, HarmonicLight, Mapped, PointLights
 
 RNG = np.random.default_rng(11)
 B = RNG.standard_normal((50, 3)) * RNG.uniform(0.2, 2, (50, 1))
@@ -19,6 +19,10 @@ MODELS = [
     (PointLights(1, ambient=False), RNG.standard_normal((4, 3))),
     (PointLights(3, ambient=True), RNG.standard_normal((4, 10))),
     (DENSE, RNG.uniform(0, 1, (4, 13))),
+    (
+        Mapped(PointLights(2, ambient=True), RNG.standard_normal((3, 3))),
+        RNG.standard_normal((4, 7)),
+    ),
 ]
 
 
@@ -36,6 +40,12 @@ def test_points_and_directions_are_clamped_cosines():
     weights = MODELS[5][1]
     expected = weights[:, :-1] @ clamped_cosines(B, DENSE.directions) + weights[:, -1:] * LENGTH
     assert np.allclose(DENSE.predict(weights, B), expected)
+
+
+def test_light_of_mapped_normals_makes_the_images_of_unmapped_ones():
+    mapped, light = MODELS[6]
+    unmapped = B @ np.linalg.inv(mapped.map).T
+    assert np.allclose(mapped.predict(light, unmapped), mapped.model.predict(light, B))
 
 
 @pytest.mark.parametrize(("model", "light"), MODELS)

@@ -13,7 +13,9 @@ from harmface.stereo import (
     image_stack,
     photometric_stereo,
     refine,
+    refinement,
     without_convexity,
+    without_linear_map,
 )
 from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
 
@@ -184,6 +186,9 @@ def test_gamma_is_noticed(hills, single_lights):
         (lambda i, m: {"images": i[:3], "order": 1}, "at least 4, got 3"),
         (lambda i, m: {"images": i[:2], "light": np.eye(3)[:2]}, "at least 3, got 2"),
         (lambda i, m: {"order": 3}, "order must be 1 or 2"),
+        (lambda i, m: {"smoothness": -1.0}, "smoothness must be at least 0"),
+        (lambda i, m: {"smoothness": np.inf}, "smoothness must be at least 0 and finite"),
+        (lambda i, m: {"smoothness": 1.0, "refine": False}, "smoothness needs refinement"),
         (lambda i, m: {"mask": m[1:]}, "mask must have"),
         (lambda i, m: {"mask": ~m & m}, "at least one pixel"),
         (lambda i, m: {"images": i * np.nan}, "finite"),
@@ -217,6 +222,40 @@ def test_blocks_are_means_and_spread_back(rng):
     rows = rng.standard_normal((2, 5))
     spread = spread_over((rows @ coarse.values).T, coarse.values, stack.values)
     assert np.allclose(spread, (rows @ stack.values).T)
+
+
+@pytest.mark.parametrize("known", ["directions", "coefficients", "nothing"])
+def test_normals_of_one_surface_have_less_noise(ball, single_lights, rng, known):
+    if known == "coefficients":
+        light = rng.standard_normal((12, 9)) + 8 * np.eye(9)[0]
+        images = light @ harmonic_images(ball.normals, ball.albedo, 2)
+    else:
+        light = single_lights if known == "directions" else None
+        images = ball.images(single_lights, np.eye(24))
+    images = images + 0.02 * np.abs(images).max() * rng.standard_normal(images.shape)
+    images = ball.pictures(np.maximum(images, 0))
+
+    def left(smoothness):
+        """Return the error that no linear map of all normals explains: that of the noise."""
+        result = photometric_stereo(images, ball.mask, light=light, smoothness=smoothness)
+        normals = without_linear_map(result.normals[ball.mask], ball.normals)
+        return angular_errors(normals, ball.normals).mean()
+
+    plain, smooth = left(None), left(1.0)
+    # Two of three numbers come from one; the rim, where a spline ends, gains little.
+    assert smooth < 0.85 * plain
+
+
+def test_several_sources_that_are_clipped(ball, several_sources, monkeypatch):
+    monkeypatch.setattr(refinement, "PIXELS", 400)
+    level = np.percentile(several_sources, 85)
+    saturated = ball.pictures(several_sources) >= level
+    images = np.minimum(ball.pictures(several_sources), level)
+    result = photometric_stereo(images, ball.mask, saturated=saturated)
+    # Taken as they are, they would have the refinement set aside.
+    assert result.report.light_model == "points and uniform"
+    assert error(result, ball) < 3
+    assert any("were left out" in warning for warning in result.report.warnings)
 
 
 def test_a_refinement_led_astray_is_set_aside(ball, several_sources, monkeypatch):
