@@ -69,6 +69,10 @@ EXPLAIN_SAY = 3.0
 USUAL_SPREAD = 0.4
 """Standard deviation of a normal's components over an object."""
 
+RIM_TURN = 0.1
+"""Part along the outline of a unit normal near it that counts as none: it is seen half a pixel or
+half a block inside, where dents begin."""
+
 RIM_SLANT = 0.95
 """Least outward component of a normal on an occluding outline, seen half a pixel inside it."""
 
@@ -245,7 +249,7 @@ class Cues:
             n = _unit(v @ turned)
             along = n[..., 1] * outward[:, 0] - n[..., 0] * outward[:, 1]
             short = np.maximum(RIM_SLANT - (n[..., :2] * outward).sum(axis=-1), 0)
-            parts += [(along / FLOOR, 1.0), (short / FLOOR, 1.0)]
+            parts += [(along / RIM_TURN, 1.0), (short / FLOOR, 1.0)]
         if self._known is not None:
             v, normals = self._known
             missed = (_unit(v @ turned) - normals).reshape(len(rows), -1)

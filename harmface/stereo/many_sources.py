@@ -42,7 +42,7 @@ PRICES = (1.0, 4.0)
 """Prices of a direction, in deviations of the noise: the lower parts points that are near, the
 higher is not misled by what the structure still lacks."""
 
-ROUNDS = 4
+ROUNDS = 3
 """Times that points are looked for and improved together with the structure."""
 
 STEPS = 15
@@ -84,6 +84,7 @@ def many_sources(
     seen: Bool[np.ndarray, "F p"],
     second_order: Float[np.ndarray, "p 3"],
     under_dense: Float[np.ndarray, "p 3"],
+    left: Float[np.ndarray, "F p"],
 ) -> ManySources:
     """Return points and uniform light, or degree 2, whichever explains these pixels better.
 
@@ -95,17 +96,18 @@ def many_sources(
         Observations that are not saturated.
     second_order
         Scaled normals that degree 2 starts from.
-    under_dense
-        Scaled normals that points start from, see `under_dense_light`.
+    under_dense, left
+        Scaled normals that points start from, and what they leave, of `under_dense_light`.
     """
-    model, points = _points(values, seen, under_dense)
+    model, points = _points(values, seen, under_dense, left)
     found: list[tuple[LightModel, JointFit]] = [
         (model, points),
         _one_point(values, seen, model, points),
         _smooth(values, seen, second_order),
     ]
     best, fit = min(found, key=lambda each: _misfit_of(values, seen, *each))
-    fit = _reweighted(values, seen, best, fit)
+    if best is not model:
+        fit = _reweighted(values, seen, best, fit)
     return ManySources(best, fit.light, fit.b, fit.energies, fit.converged)
 
 
@@ -156,33 +158,37 @@ def _weights(
     predicted: Float[np.ndarray, "F p"],
 ) -> Float[np.ndarray, "F p"]:
     residual = values - predicted
-    return seen * cauchy_weights(residual, max(robust_scale(residual[seen]), SMALL))
+    return seen * cauchy_weights(residual, _scale(residual, seen))
+
+
+def _scale(residual: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"]) -> float:
+    return max(robust_scale(residual[seen]), SMALL)
 
 
 def _points(
-    values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    b: Float[np.ndarray, "p 3"],
+    left: Float[np.ndarray, "F p"],
 ) -> tuple[PointLights, JointFit]:
     """Return points and structure from a start ([BSR17]_: add, then descend, again and again)."""
     model, dense = PointLights(POINTS, ambient=True), dense_light(FINE)
-    spread = fit_dense_light(values, dense, b, weights=seen.astype(np.float64))
-    predicted = dense.predict(spread, b)
-    light, energy = None, np.full(len(values), np.inf)
+    light, energy = np.zeros((len(values), 3 * POINTS + 1)), np.full(len(values), np.inf)
     for _ in range(ROUNDS):
-        weights = _weights(values, seen, predicted)
-        scale = max(robust_scale((values - predicted)[seen]), SMALL)
-        if light is None:
-            light = points_of(spread, dense, b, POINTS)
-        else:
-            energy = (weights * (values - predicted) ** 2).sum(axis=1)
+        weights, scale = _weights(values, seen, values - left), _scale(left, seen)
+        # Observations of little weight are replaced by what was expected of them, so that all
+        # images share their normal equations.
+        filled = values - (1 - weights) * left
         for price in PRICES:
-            spread = fit_dense_light(values, dense, b, weights=weights, price=price * scale)
-            tried, left = fit_light(values, model, points_of(spread, dense, b, POINTS), b, weights)
-            better = left < energy
+            spread = fit_dense_light(filled, dense, b, price=price * scale)
+            tried, after = fit_light(values, model, points_of(spread, dense, b, POINTS), b, weights)
+            better = after < energy
             light = np.where(better[:, None], tried, light)
-            energy = np.where(better, left, energy)
+            energy = np.where(better, after, energy)
         fit = fit_jointly(values, model, light, b, weights=weights, iterations=STEPS)
         light, b = fit.light, fit.b
-        predicted = model.predict(light, b)
+        left = values - model.predict(light, b)
+        energy = (_weights(values, seen, values - left) * left**2).sum(axis=1)
     return model, fit
 
 

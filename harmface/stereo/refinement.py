@@ -228,7 +228,7 @@ def _explained(
     # Most that another model could gain, as if it had no unknowns.
     if misfit(left[lit]) - misfit(least[lit]) < GAIN:
         return by_single
-    fit = many_sources(values[:, some], seen[:, some], start[some], under_dense)
+    fit = many_sources(values[:, some], seen[:, some], start[some], under_dense, least)
     left_by_many = values[:, some] - fit.model.predict(fit.light, fit.b)
     gained = misfit(left[lit], single.light.size + 3 * len(some)) - misfit(
         left_by_many[lit], int(np.count_nonzero(fit.light)) + fit.b.size
