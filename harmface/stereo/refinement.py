@@ -33,8 +33,8 @@ from harmface.stereo.robust import robust_scale
 from harmface.stereo.single_sources import SINGLE, single_sources
 from harmface.stereo.stack import ImageStack
 
-PIXELS = 800
-"""Pixels by which light is found: 64 images of them outnumber all unknowns about fifteen times."""
+PIXELS = 600
+"""Pixels by which light is found: 64 images of them outnumber all unknowns a dozen times."""
 
 EXPLAINED = 0.01
 """Residual, relative to the mean image, that single sources may leave without others being tried;
