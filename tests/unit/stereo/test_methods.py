@@ -9,6 +9,7 @@ from harmface.stereo import (
     angular_errors,
     factorize,
     first_order,
+    image_stack,
     refine,
     refinement,
     second_order,
@@ -91,6 +92,20 @@ def test_several_sources_are_not_taken_for_one(ball, several_sources, rng, monke
     assert found.model == PointLights(POINTS, ambient=True)
     # Noise of 1 % leaves the linear map vague: 0.6 to 0.9 from three starts.
     assert error(found.b, ball) < 1.5
+
+
+def test_clipped_observations_of_several_sources_do_not_count(ball, several_sources, rng):
+    level = np.percentile(several_sources, 85)
+    clipped = ball.pictures(np.minimum(several_sources, level))
+    start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
+    errors = []
+    for saturated in (None, clipped >= level):
+        stack = image_stack(clipped, ball.mask, saturated=saturated)
+        structure = refine(stack, start, Knowledge(outline_of(ball.mask))).structure
+        left = without_linear_map(structure[-3:].T, ball.normals)
+        errors.append(angular_errors(left, ball.normals).mean())
+    assert errors[1] < 0.5 * errors[0]
+    assert errors[1] < 1
 
 
 def test_a_flash_in_a_lit_room_is_one_point(ball, single_lights, rng):

@@ -13,7 +13,6 @@ from harmface.stereo import (
     image_stack,
     photometric_stereo,
     refine,
-    refinement,
     without_convexity,
     without_linear_map,
 )
@@ -244,18 +243,6 @@ def test_normals_of_one_surface_have_less_noise(ball, single_lights, rng, known)
     plain, smooth = left(None), left(1.0)
     # Two of three numbers come from one; the rim, where a spline ends, gains little.
     assert smooth < 0.85 * plain
-
-
-def test_several_sources_that_are_clipped(ball, several_sources, monkeypatch):
-    monkeypatch.setattr(refinement, "PIXELS", 400)
-    level = np.percentile(several_sources, 85)
-    saturated = ball.pictures(several_sources) >= level
-    images = np.minimum(ball.pictures(several_sources), level)
-    result = photometric_stereo(images, ball.mask, saturated=saturated)
-    # Taken as they are, they would have the refinement set aside.
-    assert result.report.light_model == "points and uniform"
-    assert error(result, ball) < 3
-    assert any("were left out" in warning for warning in result.report.warnings)
 
 
 def test_a_refinement_led_astray_is_set_aside(ball, several_sources, monkeypatch):
