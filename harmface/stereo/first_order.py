@@ -16,7 +16,7 @@ from harmface.stereo.cells import cells_of
 from harmface.stereo.cues import NOTHING, Cues, Knowledge
 from harmface.stereo.gauge import best_linear, best_lorentz, best_of, reliefs, shifted
 from harmface.stereo.inflation import inflated_normals
-from harmface.stereo.integrability import integrable_rows, isometric_rows
+from harmface.stereo.integrability import integrable_rows, integrable_start, isometric_rows
 from harmface.stereo.lorentz import METRIC, NullCone, fit_null_cone
 
 EXACT = 1e-5
@@ -57,7 +57,8 @@ def first_order(
     The null cone leaves a Lorentz transformation; cues choose it. Members tried are those of
     the closed form of integrability, the one nearest to the mask blown up, and random ones.
     Light beyond degree 1 bends the cone, so where the pixels do not lie on it the last step frees
-    all twelve numbers of b = T v.
+    all twelve numbers of b = T v, starting from these, from the bas-relief family of the closed
+    form, and from the best map of the three leading dimensions alone.
 
     Parameters
     ----------
@@ -100,7 +101,4 @@ def _of_three_dimensions(
     """Return scaled normals from the three leading dimensions, which reliefs hardly leave."""
     three = structure[:3]
     cues = Cues(three, mask, knowledge)
-    length = np.maximum(np.linalg.norm(three, axis=0), np.finfo(np.float64).tiny)
-    rows = integrable_rows(three / length, cells_of(mask))
-    rows = best_linear(cues, [rows / np.linalg.norm(rows, axis=1, keepdims=True)])
-    return three.T @ rows.T
+    return three.T @ best_linear(cues, [integrable_start(three, mask)]).T

@@ -19,9 +19,9 @@ References
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
-from harmface.stereo.cells import Cells
+from harmface.stereo.cells import Cells, cells_of
 
 ROUNDS = 8
 """Reweightings against discontinuities."""
@@ -61,6 +61,25 @@ def integrable_rows(structure: Float[np.ndarray, "d p"], cells: Cells) -> Float[
         weights = 1 / np.maximum(residual, max(np.median(residual), 1e-12 * size.max()))
     zx, zy = np.split(minors, 2)
     return _rows_from_minors(_antisymmetric(zx), _antisymmetric(zy))
+
+
+def integrable_start(
+    structure: Float[np.ndarray, "d p"], mask: Bool[np.ndarray, "H W"]
+) -> Float[np.ndarray, "3 d"]:
+    """Return `integrable_rows` of unit length, the structure's length taken for its albedo.
+
+    A start for searches that try bas-relief transformations of it.
+
+    Parameters
+    ----------
+    structure
+        Three or four numbers a pixel.
+    mask
+        The pixels.
+    """
+    length = np.maximum(np.linalg.norm(structure, axis=0), np.finfo(np.float64).tiny)
+    rows = integrable_rows(structure / length, cells_of(mask))
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
 
 
 def isometric_rows(

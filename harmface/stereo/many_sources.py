@@ -24,7 +24,7 @@ from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
 from harmface.stereo.non_negative import dense_light, fit_dense_light, points_of
 from harmface.stereo.per_image import fit_light
 from harmface.stereo.per_pixel import fit_normals
-from harmface.stereo.robust import cauchy_weights, robust_scale
+from harmface.stereo.robust import robust_scale, seen_weights
 
 POINTS = 6
 """Points of an image: up to four are common, and two more cost less than one that is missed."""
@@ -131,7 +131,7 @@ def under_dense_light(
         light = fit_dense_light(values, model, b, weights=weights)
         b = fit_normals(values, model, light, b, weights=weights, steps=3)
         if done >= ALTERNATIONS // 2:
-            weights = _weights(values, seen, model.predict(light, b))
+            weights = seen_weights(values - model.predict(light, b), seen, least=SMALL)
     return b, values - model.predict(light, b)
 
 
@@ -152,19 +152,6 @@ def _misfit_of(
     return misfit(residual[seen], int(np.count_nonzero(fit.light)) + fit.b.size)
 
 
-def _weights(
-    values: Float[np.ndarray, "F p"],
-    seen: Bool[np.ndarray, "F p"],
-    predicted: Float[np.ndarray, "F p"],
-) -> Float[np.ndarray, "F p"]:
-    residual = values - predicted
-    return seen * cauchy_weights(residual, _scale(residual, seen))
-
-
-def _scale(residual: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"]) -> float:
-    return max(robust_scale(residual[seen]), SMALL)
-
-
 def _points(
     values: Float[np.ndarray, "F p"],
     seen: Bool[np.ndarray, "F p"],
@@ -175,7 +162,8 @@ def _points(
     model, dense = PointLights(POINTS, ambient=True), dense_light(FINE)
     light, energy = np.zeros((len(values), 3 * POINTS + 1)), np.full(len(values), np.inf)
     for _ in range(ROUNDS):
-        weights, scale = _weights(values, seen, values - left), _scale(left, seen)
+        weights = seen_weights(left, seen, least=SMALL)
+        scale = max(robust_scale(left[seen]), SMALL)
         # Observations of little weight are replaced by what was expected of them, so that all
         # images share their normal equations.
         filled = values - (1 - weights) * left
@@ -188,7 +176,7 @@ def _points(
         fit = fit_jointly(values, model, light, b, weights=weights, iterations=STEPS)
         light, b = fit.light, fit.b
         left = values - model.predict(light, b)
-        energy = (_weights(values, seen, values - left) * left**2).sum(axis=1)
+        energy = (seen_weights(left, seen, least=SMALL) * left**2).sum(axis=1)
     return model, fit
 
 
@@ -225,10 +213,10 @@ def _reweighted(
 ) -> JointFit:
     """Return a fit continued with observations weighed by Cauchy's loss."""
     for _ in range(2):
-        predicted = model.predict(fit.light, fit.b)
-        if robust_scale((values - predicted)[seen]) < SMALL:
+        left = values - model.predict(fit.light, fit.b)
+        if robust_scale(left[seen]) < SMALL:
             break
-        weights = _weights(values, seen, predicted)
+        weights = seen_weights(left, seen, least=SMALL)
         fit = fit_jointly(
             values, model, fit.light, fit.b, weights=weights, iterations=REWEIGHTED_STEPS
         )

@@ -6,7 +6,7 @@ from jaxtyping import Bool, Float
 from harmface.stereo.abreast import fit_abreast
 from harmface.stereo.factorization import chunks
 from harmface.stereo.light_models import LightModel
-from harmface.stereo.robust import cauchy_weights, robust_scale
+from harmface.stereo.robust import seen_weights
 
 STEPS = 15
 """Steps of each pixel: three unknowns and a good start need about five."""
@@ -66,6 +66,5 @@ def fit_robustly(
         Observations that are not saturated.
     """
     b = fit_normals(values, model, light, start, weights=seen.astype(np.float64))
-    residual = values - model.predict(light, b)
-    weights = seen * cauchy_weights(residual, robust_scale(residual[seen]))
+    weights = seen_weights(values - model.predict(light, b), seen)
     return fit_normals(values, model, light, b, weights=weights), weights

@@ -19,12 +19,11 @@ import numpy as np
 from jaxtyping import Float
 
 from harmface import checks
-from harmface.stereo.cells import cells_of
 from harmface.stereo.cues import ALL_CELLS, MOST_CELLS, NOTHING, Cues, Knowledge
 from harmface.stereo.factorization import factorize
 from harmface.stereo.gauge import best_linear, best_of, best_rotation, boosted, improved, shifted
 from harmface.stereo.hayakawa import equal_strength_metric
-from harmface.stereo.integrability import integrable_rows
+from harmface.stereo.integrability import integrable_start
 from harmface.stereo.light_models import HarmonicLight, LightModel, has_one_point, uniform_share
 from harmface.stereo.lorentz import nearest_lorentz
 from harmface.stereo.many_sources import many_sources, misfit, under_dense_light
@@ -131,8 +130,7 @@ def refine(
         transformation = best_of(cues, [aligned[1:]], boosted, 6)
     else:
         back, *_ = np.linalg.lstsq(found.b, start, rcond=None)
-        integrable = integrable_rows(_unit(found.b).T, cells_of(stack.mask))
-        starts = [back.T, integrable / np.linalg.norm(integrable, axis=1, keepdims=True)]
+        starts = [back.T, integrable_start(structure, stack.mask)]
         metric = None if lights is None else equal_strength_metric(lights)
         if metric is not None:
             starts.append(best_rotation(cues, np.linalg.inv(np.linalg.cholesky(metric)), rng))

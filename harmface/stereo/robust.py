@@ -36,6 +36,23 @@ def cauchy_weights(
     return 1 / (1 + ratio**2)
 
 
+def seen_weights(
+    residual: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], *, least: float = 0.0
+) -> Float[np.ndarray, "F p"]:
+    """Return Cauchy's weights of observations about their own robust scale; 0 where none is seen.
+
+    Parameters
+    ----------
+    residual
+        What a fit left of the images.
+    seen
+        Observations that are not saturated.
+    least
+        Scale to use if the residuals' is smaller.
+    """
+    return seen * cauchy_weights(residual, max(robust_scale(residual[seen]), least))
+
+
 def point_source_weights(
     values: Float[np.ndarray, "F p"],
     predicted: Float[np.ndarray, "F p"],
