@@ -188,7 +188,8 @@ class Cues:
         v = (structure / size).T
         seen: Cells = cells_of(mask).thinned(cells)
         self._cell_say = min(1.0, MOST_CELLS / max(1, len(seen.corners)))
-        self._middle, self._dx, self._dy = seen.middle(v), seen.along_x(v), seen.along_y(v)
+        fields = (seen.middle(v), seen.along_x(v), seen.along_y(v))
+        self._middle, self._dx, self._dy = (np.ascontiguousarray(field.T) for field in fields)
         log = np.log(size)[:, None]
         self._grain = np.stack([seen.along_x(log)[:, 0], seen.along_y(log)[:, 0]])
         self._coarse = 0.1 * float(np.median(np.abs(self._grain))) + 1e-6
@@ -223,24 +224,25 @@ class Cues:
         self, rows: Float[np.ndarray, "m 3 d"]
     ) -> tuple[Float[np.ndarray, "m r"], Float[np.ndarray, "r"]]:
         """Return the residuals of all cues over their floors for each T, and their weights."""
-        turned = rows.swapaxes(1, 2)
-        b, dx, dy = self._middle @ turned, self._dx @ turned, self._dy @ turned
-        squared = (b**2).sum(axis=-1) + TINY
-        (x, y, z), (xdx, ydx, zdx), (xdy, ydy, zdy) = (np.moveaxis(f, -1, 0) for f in (b, dx, dy))
+        # Components first: sums over three of them are the bulk of the work.
+        b, dx, dy = rows @ self._middle, rows @ self._dx, rows @ self._dy
+        (x, y, z), (xdx, ydx, zdx), (xdy, ydy, zdy) = (f.swapaxes(0, 1) for f in (b, dx, dy))
+        squared = x * x + y * y + z * z + TINY
         # b x db holds b_z^2 times the derivatives of the slopes; integrable ones are symmetric,
         # and the share of the antisymmetric part does not change under bas-relief.
         xx, xy = y * zdx - z * ydx, z * xdx - x * zdx
         yx, yy = y * zdy - z * ydy, z * xdy - x * zdy
-        bend = np.sqrt(xx**2 + xy**2 + yx**2 + yy**2) + TINY
-        gx = self._grain[0] + (b * dx).sum(axis=-1) / squared
-        gy = self._grain[1] + (b * dy).sum(axis=-1) / squared
+        bend = np.sqrt(xx * xx + xy * xy + yx * yx + yy * yy) + TINY
+        gx = self._grain[0] + (x * xdx + y * ydx + z * zdx) / squared
+        gy = self._grain[1] + (x * xdy + y * ydy + z * zdy) / squared
         parts = [
             ((xx + yy) / bend / TWIST, self._cell_say),
             (gx / self._coarse, GRAIN_SAY * self._cell_say),
             (gy / self._coarse, GRAIN_SAY * self._cell_say),
             (np.minimum(z / np.sqrt(squared), 0) / FLOOR, self._cell_say),
         ]
-        if len(self._middle.T) == 4:
+        turned = rows.swapaxes(1, 2)
+        if len(self._middle) == 4:
             parts.append((_anisotropy(-rows @ METRIC @ turned) / LORENTZ, LORENTZ_SAY))
         if self._isometry_say > 0:
             parts.append((_anisotropy(rows @ turned) / LORENTZ, self._isometry_say))
