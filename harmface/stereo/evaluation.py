@@ -13,13 +13,8 @@ from jaxtyping import Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.stereo.linear_map import nearest_linear_map
 from harmface.stereo.lorentz import nearest_lorentz
-
-ROUNDING = 1e-12
-"""Share of the energy in the strongest dimension below which another one is empty."""
-
-ROUNDS = 10
-"""Rounds in which a linear map settles: its scale changes at each pixel with the map."""
 
 
 @dataclass(frozen=True)
@@ -102,22 +97,8 @@ def without_linear_map(
 
     With d = 3 this undoes a bas-relief or any other linear ambiguity; with the structure of a
     factorisation, d = 4 or 9, it is the *oracle*: no method that is linear in that space does
-    better. The map minimises the sum of the squared sines of the angles, `|(I - n n') T v|^2 /
-    |T v|^2`: the numerator is a quadratic form in T, whose least eigenvector is T, and the
-    denominator follows in rounds.
+    better. See `nearest_linear_map`.
     """
-    weight = 1 / np.maximum((b**2).sum(axis=1), np.finfo(np.float64).tiny)
-    # White coordinates, so that T of unit size does not shrink the normals along faint dimensions;
-    # those of nothing but rounding are left out.
-    spread, axes = np.linalg.eigh((b * weight[:, None]).T @ b)
-    kept = spread > ROUNDING * spread[-1]
-    b = b @ (axes[:, kept] / np.sqrt(spread[kept]))
-    weight = 1 / np.maximum((b**2).sum(axis=1), np.finfo(np.float64).tiny)
-    across = np.eye(3) - truth[:, :, None] * truth[:, None, :]
-    size = b.shape[1]
-    for _ in range(ROUNDS):
-        form = np.einsum("p,pij,pk,pl->ikjl", weight, across, b, b, optimize=True)
-        rows = np.linalg.eigh(form.reshape(3 * size, 3 * size))[1][:, 0].reshape(3, size)
-        mapped = b @ rows.T
-        weight = 1 / np.maximum((mapped**2).sum(axis=1), np.finfo(np.float64).tiny)
-    return mapped * (np.sqrt(weight) * np.sign((mapped * truth).sum()))[:, None]
+    mapped = b @ nearest_linear_map(b, truth).T
+    length = np.linalg.norm(mapped, axis=1, keepdims=True)
+    return mapped / np.maximum(length, np.finfo(np.float64).tiny)

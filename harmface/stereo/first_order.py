@@ -50,6 +50,7 @@ def first_order(
     mask: Bool[np.ndarray, "H W"],
     knowledge: Knowledge = NOTHING,
     *,
+    cone: NullCone | None = None,
     rng: np.random.Generator | int = 0,
 ) -> FirstOrder:
     """Return scaled normals from the rank-4 structure of images under unknown light ([BJK07]_).
@@ -68,11 +69,14 @@ def first_order(
         The pixels.
     knowledge
         What else is known.
+    cone
+        The quadric, if it is known better than these pixels tell it.
     rng
         Draws the transformations tried.
     """
     rng = checks.generator(rng)
-    cone = fit_null_cone(structure)
+    if cone is None:
+        cone = fit_null_cone(structure)
     vectors = cone.frame @ structure
     # Off the cone the two readings of albedo differ; the cues want one that has no zeros.
     shown = np.concatenate([np.linalg.norm(vectors[1:], axis=0)[None], vectors[1:]])
@@ -83,8 +87,10 @@ def first_order(
     blown = np.linalg.lstsq(direct.T, inflated_normals(mask), rcond=None)[0].T
     starts = [] if resolved is None else [resolved, -resolved]
     lorentz = best_lorentz(cues, starts, rng)
-    best = lorentz
-    if cone.residual > EXACT:
+    if cone.residual <= EXACT:
+        # Of means over blocks, only these are linear in the structure.
+        shown, best = vectors, lorentz
+    else:
         # Each family of candidates is improved by itself: the many of one would crowd out the
         # single one of another.
         unit = rows / np.linalg.norm(rows, axis=1, keepdims=True)

@@ -33,6 +33,9 @@ RAPIDITY = 0.6
 """Spread of random boosts; 0.6 turns a normal across the boost by 33 degrees."""
 
 STEPS = 40
+TRIAL_STEPS = 15
+"""Steps after which it shows which of several members will be the best."""
+
 DIFFERENCE = 1e-6
 
 CONCAVE = np.diag([-1.0, -1.0, 1.0])
@@ -118,17 +121,18 @@ def reliefs(rows: Rows) -> list[Rows]:
 def best_of(cues: Cues, tried: list[Rows], move: Move, parameters: int) -> Rows:
     """Return the best of the members tried, the most promising ones improved."""
     best = np.argsort(cues.costs(np.stack(tried)), kind="stable")[:IMPROVED]
-    return min((improved(cues, tried[k], move, parameters) for k in best), key=cues.cost)
+    trials = (improved(cues, tried[k], move, parameters, TRIAL_STEPS) for k in best)
+    return improved(cues, min(trials, key=cues.cost), move, parameters)
 
 
-def improved(cues: Cues, rows: Rows, move: Move, parameters: int) -> Rows:
+def improved(cues: Cues, rows: Rows, move: Move, parameters: int, steps: int = STEPS) -> Rows:
     """Return the member that damped Gauss-Newton reaches ([M78]_), residuals reweighted.
 
     `w / (1 + r^2)` are the weights under which the squares fall as the logarithms of the cost do.
     """
     damping, cost = 1e-2, cues.cost(rows)
     system = None
-    for _ in range(STEPS):
+    for _ in range(steps):
         if system is None:
             system = _normal_equations(cues, rows, move, parameters)
         normal, right = system

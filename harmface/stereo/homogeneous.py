@@ -45,7 +45,8 @@ def _with_jacobian(
     n = b / length[:, None]
     # Powers 0 to degree of each component: every monomial is a product of three of them.
     powers = np.ones((degree + 1, 3, len(b)))
-    np.cumprod(np.broadcast_to(n.T, (degree, 3, len(b))), axis=0, out=powers[1:])
+    for exponent in range(1, degree + 1):
+        powers[exponent] = powers[exponent - 1] * n.T
     images, gradients = [], []
     for l, coefficients in enumerate(_solid_harmonics(degree)):  # noqa: E741
         exponents = _exponents(l)

@@ -88,8 +88,9 @@ def isometric_rows(
     """Return the member of a bas-relief family of rows with `T G T'` a multiple of the identity.
 
     The rows are orthogonal in G and equally long, and that fixes the three numbers: multiples of
-    t_z are taken from t_x and t_y, and t_z is scaled to their length. Returns None if G gives no
-    length to the rows, as noise can make it.
+    t_z are taken from t_x and t_y, and t_z is scaled to their length. What differences over cells
+    leave of the products of t_x and t_y is shared by both, so that the result is an isometry
+    to rounding. Returns None if G gives no length to the rows, as noise can make it.
 
     Parameters
     ----------
@@ -104,10 +105,11 @@ def isometric_rows(
         return None
     x = x - (x @ metric @ z) / length * z
     y = y - (y @ metric @ z) / length * z
-    across = (x @ metric @ x + y @ metric @ y) / 2
-    if across <= 0:
+    found = np.stack([x, y, z])
+    squares, axes = np.linalg.eigh(found @ metric @ found.T)
+    if squares[0] <= 0:
         return None
-    return np.stack([x, y, z * np.sqrt(across / length)])
+    return np.asarray((axes / np.sqrt(squares)) @ axes.T @ found)
 
 
 def _antisymmetric(minors: Float[np.ndarray, "e"]) -> Float[np.ndarray, "d d"]:

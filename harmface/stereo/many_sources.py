@@ -21,7 +21,7 @@ from jaxtyping import Bool, Float
 from harmface.stereo.homogeneous import scaled_normal_images
 from harmface.stereo.joint import JointFit, fit_jointly
 from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
-from harmface.stereo.non_negative import dense_light, fit_dense_light, points_of
+from harmface.stereo.non_negative import best_point, dense_light, fit_dense_light, points_of
 from harmface.stereo.per_image import fit_light
 from harmface.stereo.per_pixel import fit_normals
 from harmface.stereo.robust import robust_scale, seen_weights
@@ -102,7 +102,7 @@ def many_sources(
     model, points = _points(values, seen, under_dense, left)
     found: list[tuple[LightModel, JointFit]] = [
         (model, points),
-        _one_point(values, seen, model, points),
+        _one_point(values, seen, points.b),
         _smooth(values, seen, second_order),
     ]
     best, fit = min(found, key=lambda each: _misfit_of(values, seen, *each))
@@ -181,19 +181,14 @@ def _points(
 
 
 def _one_point(
-    values: Float[np.ndarray, "F p"],
-    seen: Bool[np.ndarray, "F p"],
-    several: PointLights,
-    fit: JointFit,
+    values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
 ) -> tuple[LightModel, JointFit]:
-    """Return the strongest of several points alone, with uniform light: a flash in a lit room."""
+    """Return one point and uniform light: a flash in a lit room."""
     model = PointLights(1, ambient=True)
-    points = several.points(fit.light)
-    strongest = np.linalg.norm(points, axis=2).argmax(axis=1)
-    light = np.hstack([points[np.arange(len(points)), strongest], fit.light[:, -1:]])
     weights = seen.astype(np.float64)
-    light, _ = fit_light(values, model, light, fit.b, weights)
-    return model, fit_jointly(values, model, light, fit.b, weights=weights, iterations=TRIAL_STEPS)
+    light = best_point(values, dense_light(COARSE), b, weights)
+    light, _ = fit_light(values, model, light, b, weights)
+    return model, fit_jointly(values, model, light, b, weights=weights, iterations=TRIAL_STEPS)
 
 
 def _smooth(

@@ -98,6 +98,45 @@ def points_of(
     return points
 
 
+def best_point(
+    values: Float[np.ndarray, "F p"],
+    model: DenseLight,
+    b: Float[np.ndarray, "p 3"],
+    weights: Float[np.ndarray, "F p"],
+) -> Float[np.ndarray, "F 4"]:
+    """Return the one direction of each image that explains it best beside uniform light.
+
+    With c the image that a direction gives alone and u that of uniform light, the two irradiances
+    have the closed form of two unknowns; directions of negative light are left out, and uniform
+    light is zero where it would be negative. Parameters of `PointLights(1, ambient=True)`.
+
+    Parameters
+    ----------
+    values
+        Images as rows of pixels.
+    model
+        The directions.
+    b
+        Scaled normals.
+    weights
+        Of the observations.
+    """
+    columns = model.columns(b)
+    c, u = columns[:-1], columns[-1]
+    cc, cu, uu = weights @ (c * c).T, weights @ (c * u).T, (weights @ (u * u))[:, None]
+    weighted = weights * values
+    ci, ui = weighted @ c.T, (weighted @ u)[:, None]
+    tiny = np.finfo(np.float64).tiny
+    point = (ci * uu - cu * ui) / np.maximum(cc * uu - cu**2, tiny)
+    uniform = (ui * cc - cu * ci) / np.maximum(cc * uu - cu**2, tiny)
+    point = np.maximum(np.where(uniform < 0, ci / np.maximum(cc, tiny), point), 0)
+    uniform = np.maximum((ui - point * cu) / np.maximum(uu, tiny), 0)
+    gained = 2 * (point * ci + uniform * ui - point * uniform * cu) - point**2 * cc
+    gained -= uniform**2 * uu
+    best = np.arange(len(values)), gained.argmax(axis=1)
+    return np.hstack([point[best][:, None] * model.directions[best[1]], uniform[best][:, None]])
+
+
 def _sizes(columns: Float[np.ndarray, "q p"]) -> Float[np.ndarray, "q"]:
     size = np.linalg.norm(columns, axis=1)
     return np.asarray(np.maximum(size, UNSEEN * size.max()))

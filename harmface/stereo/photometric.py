@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
+from threadpoolctl import threadpool_limits
 
 from harmface import checks
 from harmface.conventions import max_degree_of
@@ -124,17 +125,20 @@ def photometric_stereo(
     if light is not None:
         found = _under_known_light(stack, np.asarray(light), robust, smoothness, progress)
     else:
-        found = recover(
-            stack,
-            order=order,
-            refine=refine,
-            outline=outline,
-            normals=_known_normals(normals_known, stack.mask),
-            symmetric=symmetric,
-            smoothness=smoothness,
-            rng=rng,
-            progress=progress,
-        )
+        measured = _known_normals(normals_known, stack.mask)
+        # Thousands of small products: more than one thread slows them by a third.
+        with threadpool_limits(1, user_api="blas"):
+            found = recover(
+                stack,
+                order=order,
+                refine=refine,
+                outline=outline,
+                normals=measured,
+                symmetric=symmetric,
+                smoothness=smoothness,
+                rng=rng,
+                progress=progress,
+            )
     if saturated is not None:
         said = _saturation(found, 1 - float(stack.seen.mean()))
         found = replace(found, warnings=(*found.warnings, *said))
@@ -211,7 +215,7 @@ def _saturation(found: Recovered, share: float) -> tuple[str, ...]:
     """Return what to say of the share of observations that are saturated."""
     if share <= MANY:
         return ()
-    if found.convexity == "light" or found.light_model is not None:
+    if found.convexity == "light" or found.method == "refined":
         return (f"{share:.0%} of the observations are saturated and were left out",)
     return (
         f"{share:.0%} of the observations are saturated: expose less, as what is clipped bends "

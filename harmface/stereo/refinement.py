@@ -90,6 +90,7 @@ def refine(
     knowledge: Knowledge = NOTHING,
     *,
     rng: np.random.Generator | int = 0,
+    pixels: int = PIXELS,
 ) -> Refined:
     """Return light and normals that explain the images, from a first estimate.
 
@@ -106,11 +107,13 @@ def refine(
         What else is known.
     rng
         Draws the pixels.
+    pixels
+        Pixels by which light is found.
     """
     unit = float(stack.values.mean())
     start = start / np.linalg.norm(start, axis=1).mean()
     rng = checks.generator(rng)
-    found = _explained(stack, stack.values / unit, start, rng)
+    found = _explained(stack, stack.values / unit, start, pixels, rng)
     structure = structure_of(found.model, found.b)
     lights = found.model.points(found.light)[:, 0] if has_one_point(found.model) else None
 
@@ -198,12 +201,13 @@ def _explained(
     stack: ImageStack,
     values: Float[np.ndarray, "F p"],
     start: Float[np.ndarray, "p 3"],
+    pixels: int,
     rng: np.random.Generator,
 ) -> _Explanation:
     """Return single sources if they explain the images about as well as many do, or many."""
     usable, seen = stack.usable, stack.seen
     lit = np.flatnonzero(values.max(axis=0) > 0)
-    some = rng.permutation(lit)[:PIXELS]
+    some = rng.permutation(lit)[:pixels]
     single = single_sources(values, usable, start, some)
     left = values - SINGLE.predict(single.light, single.b)
     scale = robust_scale(left[single.lit])

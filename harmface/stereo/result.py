@@ -25,8 +25,8 @@ class StereoReport:
         What decided between a surface and its concave counterpart: "light", "known normals",
         "outline", or "assumed" (the rim of the mask leans outwards).
     light_model
-        What light the refinement found: "one point", "points and uniform" or "harmonic"; None
-        without refinement.
+        What light the refinement found, or chose the linear map of the second order: "one point",
+        "points and uniform" or "harmonic"; None where harmonics alone decided.
     residual
         Root mean square of the observations about the result's images, relative to their own.
     converged

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from harmface.stereo.cues import ALL_CELLS, NOTHING, Cues, Knowledge
-from harmface.stereo.gauge import best_of, improved, shifted
+from harmface.stereo.cues import NOTHING, Cues, Knowledge
+from harmface.stereo.gauge import best_of, shifted
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +71,4 @@ def second_order(
         structure[:4].T * weight[:, None], start * weight[:, None], rcond=None
     )[0].T
     best = best_of(cues, [rows.T, leading], shifted, 27)
-    cues = Cues(structure, mask, knowledge, explain=True, cells=ALL_CELLS)
-    best = improved(cues, best, shifted, 27)
     return SecondOrder(structure.T @ best.T, cues.cost(best))

@@ -16,11 +16,14 @@ from scipy.ndimage import binary_erosion
 from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
 from harmface.stereo.confidence import ambiguity_error, noise_error
 from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
+from harmface.stereo.exact_second_order import EXACT, exact_second_order
 from harmface.stereo.factorization import chunks, factorize, interleaved
 from harmface.stereo.first_order import FirstOrder, first_order
 from harmface.stereo.homogeneous import scaled_normal_images
 from harmface.stereo.integrable_fit import of_one_surface
 from harmface.stereo.light_models import HarmonicLight, LightModel, Mapped, PointLights, is_single
+from harmface.stereo.lorentz import NullCone, fit_null_cone
+from harmface.stereo.map_by_light import settled_by_light
 from harmface.stereo.per_pixel import fit_robustly
 from harmface.stereo.refinement import mapped, structure_of
 from harmface.stereo.refinement import refine as refined
@@ -76,21 +79,31 @@ def recover(
     coarse = coarse_stack(stack, factor)
     known = Knowledge(None, normals, mirror_index(coarse.mask) if symmetric else None)
     found = factorize(coarse.values, (4, 9)[order - 1])
-    first, known = _first_order(found.structure[:4], coarse.mask, outline, known, rng)
+    structure = found.light.T @ stack.values
+    # Means over blocks lie inside the cone, so that of exact images is found from single pixels.
+    cone = fit_null_cone(structure[:4]) if 1 - found.energy[3] < EXACT else None
+    first, known = _first_order(found.structure[:4], coarse.mask, outline, known, cone, rng)
     progress(0.1)
     b = first.b
     warnings = []
     if not first.cone.signature_held:
         warnings.append("the quadric of the first-order structure lost its signature")
+    exact = None
     if order == 2:
-        if found.singular_values[8] < WEAK * found.singular_values[0]:
-            warnings.append(
-                "images have fewer than nine usable dimensions: the light is smooth or changes "
-                "little, so the second order adds little to the first"
-            )
         b = second_order(found.structure, coarse.mask, b, known).b
-        progress(0.3)
-    structure = found.light.T @ stack.values
+    if order == 2 and 1 - found.energy[8] < EXACT:
+        starts = (b, first.b)
+        exact = exact_second_order(structure, found.structure, coarse.mask, starts, known, rng)
+        b = b if exact is None else exact
+    if order == 2 and exact is None and found.singular_values[8] < WEAK * found.singular_values[0]:
+        warnings.append(
+            "images have fewer than nine usable dimensions: the light is smooth or changes "
+            "little, so the second order adds little to the first"
+        )
+    progress(0.3)
+    settled = None
+    if order == 2 and not refine and exact is None:
+        settled = settled_by_light(coarse, found.structure, b, known, rng)
     model: LightModel = HarmonicLight(order)
     converged = None
     fit = refined(coarse, b, known, rng=rng) if refine else None
@@ -119,10 +132,15 @@ def recover(
     else:
         rows = np.linalg.lstsq(found.structure.T, b, rcond=None)[0].T
         extended, b = structure, structure.T @ rows.T
+        cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
+        if settled is not None:
+            b = settled.applied(b, structure)
+            rows, cues = settled.fit.transformation, settled.fit.cues
+            extended = np.linalg.solve(rows, b.T)
         raw = b
         light = harmonic_light(stack.values, raw, order)
         weights = np.broadcast_to(1.0, stack.values.shape)
-        cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
+    by_light = fit if settled is None else settled.fit
     if b[:, 2].sum() < 0:
         rows, b = -rows, -b
     noise = noise_error(stack.values, model, light, raw, weights)
@@ -136,7 +154,7 @@ def recover(
         expected,
         convexity,
         signature_held=first.cone.signature_held,
-        light_model=_name_of(model) if fit is not None else None,
+        light_model=None if by_light is None else _name_of(by_light.model),
         converged=converged,
         warnings=tuple(warnings),
     )
@@ -153,17 +171,18 @@ def _first_order(
     mask: Bool[np.ndarray, "H W"],
     outline: bool | None,
     known: Knowledge,
+    cone: NullCone | None,
     rng: np.random.Generator,
 ) -> tuple[FirstOrder, Knowledge]:
     """Return the first-order structure, and what is known with the outline if it is believed."""
     rim = outline_of(mask)
     if outline is False or (outline is None and len(rim.pixels) < 16):
-        return first_order(structure, mask, known, rng=rng), known
+        return first_order(structure, mask, known, cone=cone, rng=rng), known
     knowing = replace(known, outline=rim)
-    with_rim = first_order(structure, mask, knowing, rng=rng)
+    with_rim = first_order(structure, mask, knowing, cone=cone, rng=rng)
     if outline:
         return with_rim, knowing
-    without = first_order(structure, mask, known, rng=rng)
+    without = first_order(structure, mask, known, cone=cone, rng=rng)
     if with_rim.cost - without.cost < OUTLINE_PRICE * len(rim.pixels):
         return with_rim, knowing
     return without, known

@@ -7,7 +7,6 @@ import pytest
 
 from harmface.rendering import clamped_cosines
 from harmface.sphere import fibonacci_directions
-from harmface.stereo import refinement
 from harmface.stereo.stack import image_stack
 
 
@@ -79,12 +78,6 @@ def front_lights(count):
     """Unit directions spread over the hemisphere of the viewer."""
     directions = fibonacci_directions(2 * count)
     return directions[directions[:, 2] > 0][:count]
-
-
-@pytest.fixture(autouse=True)
-def few_pixels(monkeypatch):
-    """Find light with fewer pixels, to be quick; they still outnumber the unknowns four times."""
-    monkeypatch.setattr(refinement, "PIXELS", 150)
 
 
 @pytest.fixture(scope="session")

@@ -46,6 +46,7 @@ def test_lorentz_ambiguity_is_resolved_in_closed_form(hills):
     null = hills.null_vectors / hills.albedo
     mixed = lorentz_transformation(np.array([0.3, -0.2, 0.25, 0.4, 1.0, -0.5])) @ null
     rows = isometric_rows(integrable_rows(mixed, cells_of(hills.mask)), -METRIC)
+    assert np.allclose(rows @ -METRIC @ rows.T, np.eye(3), atol=1e-12)
     normals = unit((rows @ mixed).T)
     normals *= np.sign(normals[:, 2].sum())
     # Second differences of the shortest wave, 20 pixels: (2 pi / 20)^2 / 12 = 0.8 %.
@@ -53,7 +54,9 @@ def test_lorentz_ambiguity_is_resolved_in_closed_form(hills):
 
 
 def test_rows_that_no_transformation_has_are_refused():
+    # What lies within the cone: the third row, the first, the first two.
     assert isometric_rows(np.eye(4)[[1, 2, 0]], -METRIC) is None
+    assert isometric_rows(np.eye(4)[[0, 2, 3]], -METRIC) is None
     assert (
         isometric_rows(np.array([[5.0, 1, 0, 0], [5.0, 0, 1, 0], [0, 0, 0, 1.0]]), -METRIC) is None
     )

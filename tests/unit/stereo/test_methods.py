@@ -11,7 +11,6 @@ from harmface.stereo import (
     first_order,
     image_stack,
     refine,
-    refinement,
     second_order,
     without_convexity,
     without_linear_map,
@@ -85,10 +84,10 @@ def test_highlights_and_cast_shadows_do_not_count(ball, lit_ball, single_lights,
     assert error(found.b, ball) < 1.5
 
 
-def test_several_sources_are_not_taken_for_one(ball, several_sources, rng, monkeypatch):
-    monkeypatch.setattr(refinement, "PIXELS", 400)
+def test_several_sources_are_not_taken_for_one(ball, several_sources, rng):
     start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
-    found = refine(ball.stack(several_sources), start, Knowledge(outline_of(ball.mask)))
+    known = Knowledge(outline_of(ball.mask))
+    found = refine(ball.stack(several_sources), start, known, pixels=200)
     assert found.model == PointLights(POINTS, ambient=True)
     # Noise of 1 % leaves the linear map vague: 0.6 to 0.9 from three starts.
     assert error(found.b, ball) < 1.5
@@ -98,10 +97,11 @@ def test_clipped_observations_of_several_sources_do_not_count(ball, several_sour
     level = np.percentile(several_sources, 85)
     clipped = ball.pictures(np.minimum(several_sources, level))
     start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
+    known = Knowledge(outline_of(ball.mask))
     errors = []
     for saturated in (None, clipped >= level):
         stack = image_stack(clipped, ball.mask, saturated=saturated)
-        structure = refine(stack, start, Knowledge(outline_of(ball.mask))).structure
+        structure = refine(stack, start, known, pixels=150).structure
         left = without_linear_map(structure[-3:].T, ball.normals)
         errors.append(angular_errors(left, ball.normals).mean())
     assert errors[1] < 0.5 * errors[0]
@@ -112,7 +112,8 @@ def test_a_flash_in_a_lit_room_is_one_point(ball, single_lights, rng):
     images = np.maximum(single_lights @ ball.b.T, 0) + 0.1 * ball.albedo
     images *= 1 + 0.01 * rng.standard_normal(images.shape)
     start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
-    found = refine(ball.stack(images), start, Knowledge(outline_of(ball.mask)))
+    known = Knowledge(outline_of(ball.mask))
+    found = refine(ball.stack(images), start, known, pixels=200)
     assert found.model == PointLights(1, ambient=True)
     assert error(found.b, ball) < 1
 

@@ -2,9 +2,16 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 from harmface.stereo.light_models import PointLights
-from harmface.stereo.non_negative import UNSEEN, dense_light, fit_dense_light, points_of
+from harmface.stereo.non_negative import (
+    UNSEEN,
+    best_point,
+    dense_light,
+    fit_dense_light,
+    points_of,
+)
 from harmface.stereo.per_image import fit_light
 
 
@@ -69,6 +76,22 @@ def test_points_between_directions_are_explained_by_those_around(ball):
     model = PointLights(4, ambient=True)
     _, energy = fit_light(images, model, start, ball.b, np.ones(images.shape))
     assert np.sqrt(energy[0] / images.size) < 1e-3
+
+
+def test_the_best_point_is_that_of_all_directions_tried(ball, rng):
+    model = dense_light(60)
+    made = model.columns(ball.b)[[3, 30, 50, 8]] + 0.5 * model.columns(ball.b)[[17, 31, 2, 40]]
+    # Uniform light beside what would be brightest in the last image would have to be negative.
+    images = np.vstack([made + 0.1 * rng.random(made.shape), made[:1] ** 3])
+    weights = rng.integers(0, 2, images.shape).astype(float)
+    found = best_point(images, model, ball.b, weights)
+    columns = model.columns(ball.b)
+    for image, weight, light in zip(images, weights, found, strict=True):
+        root = np.sqrt(weight)
+        tried = [nnls((columns[[j, -1]] * root).T, image * root) for j in range(60)]
+        best = int(np.argmin([left for _, left in tried]))
+        point, uniform = tried[best][0]
+        assert np.allclose(light, [*point * model.directions[best], uniform])
 
 
 def test_no_light_is_no_point(ball):
