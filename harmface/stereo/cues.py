@@ -37,8 +37,11 @@ FLOOR = 0.02
 GRAIN_SAY = 0.1
 """Weight of the albedo's derivatives: neighbouring cells share the grain of a texture."""
 
-KNOWN_SAY = 3000.0
+KNOWN_SAY = 1000.0
 """Weight of all measured normals together: what was measured comes before what is likely."""
+
+SPREAD = 2
+"""Pixels over which structure is averaged about a place of known normal."""
 
 LORENTZ = 0.1
 """Departure of first-order rows from a Lorentz transformation that light of degree 2 may cause."""
@@ -112,18 +115,22 @@ def outline_of(mask: Bool[np.ndarray, "H W"]) -> Outline:
 
 @dataclass(frozen=True, eq=False)
 class KnownNormals:
-    """Pixels whose normals were measured.
+    """Places whose normals were measured.
 
     Parameters
     ----------
-    pixels
-        Index among the masked pixels.
+    places
+        Row and column, in pixels of the mask; whole numbers are middles of pixels.
     normals
         Unit normals.
     """
 
-    pixels: Int[np.ndarray, "k"]
+    places: Float[np.ndarray, "k 2"]
     normals: Float[np.ndarray, "k 3"]
+
+    def on_blocks(self, factor: int) -> "KnownNormals":
+        """Return the same places in pixels that are blocks of this side."""
+        return KnownNormals((self.places + 0.5) / factor - 0.5, self.normals)
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +204,9 @@ class Cues:
         self._isometry_say = LORENTZ_SAY * min(1.0, uniform / USUAL_UNIFORM)
         outline, known, mirrored = knowledge.outline, knowledge.normals, knowledge.mirrored
         self._outline = None if outline is None else (v[outline.pixels], outline.outward)
-        self._known = None if known is None else (v[known.pixels], known.normals)
+        self._known = None
+        if known is not None:
+            self._known = (*_at_places(v, mask, known.places), known.normals)
         self._explained = None
         if explain:
             some = np.linspace(0, len(v) - 1, min(len(v), MOST_EXPLAINED)).astype(int)
@@ -253,9 +262,9 @@ class Cues:
             short = np.maximum(RIM_SLANT - (n[..., :2] * outward).sum(axis=-1), 0)
             parts += [(along / RIM_TURN, 1.0), (short / FLOOR, 1.0)]
         if self._known is not None:
-            v, normals = self._known
-            missed = (_unit(v @ turned) - normals).reshape(len(rows), -1)
-            parts.append((missed / FLOOR, KNOWN_SAY / len(normals)))
+            v, unsure, normals = self._known
+            missed = (_unit(v @ turned) - normals) / (FLOOR + unsure[:, None])
+            parts.append((missed.reshape(len(rows), -1), KNOWN_SAY / len(normals)))
         if self._pairs is not None:
             # Unit vectors, since albedo need not be symmetric; each component against its own
             # spread, so that none gains by vanishing everywhere.
@@ -280,6 +289,28 @@ class Cues:
             parts.append((apart / FLOOR, UNEQUAL_SAY))
         weights = [np.full(part.shape[1], say) for part, say in parts]
         return np.concatenate([part for part, _ in parts], axis=1), np.concatenate(weights)
+
+
+def _at_places(
+    v: Float[np.ndarray, "p d"], mask: Bool[np.ndarray, "H W"], places: Float[np.ndarray, "k 2"]
+) -> tuple[Float[np.ndarray, "k d"], Float[np.ndarray, "k"]]:
+    """Return v at places between the pixels, and how unsure it is, as errors of a unit normal.
+
+    Weights fall linearly to zero over `SPREAD` pixels, so what varies linearly keeps its value, and
+    noise is a third of what it is at one. Where some of those pixels are outside, the nearest
+    inside stand for them. What v varies by among them, relative to what it does over the
+    object, tells noise and creases.
+    """
+    apart = np.stack(np.nonzero(mask), axis=1) - places[:, None]
+    shares = np.maximum(SPREAD - np.abs(apart), 0).prod(axis=2)
+    nearest = np.eye(len(v))[(apart**2).sum(axis=2).argmin(axis=1)]
+    # Over a whole window they add up to SPREAD^4, whatever the place.
+    missing = np.maximum(1 - shares.sum(axis=1, keepdims=True) / SPREAD**4, 0)
+    shares = shares / SPREAD**4 + missing * nearest
+    mean = shares @ v
+    varied = shares @ (v**2).sum(axis=1) - (mean**2).sum(axis=1)
+    usual = np.sqrt(v.var(axis=0).sum()) / (USUAL_SPREAD * np.sqrt(3)) + TINY
+    return mean, np.sqrt(np.maximum(varied, 0)) / usual
 
 
 def _anisotropy(products: Float[np.ndarray, "m 3 3"]) -> Float[np.ndarray, "m 6"]:

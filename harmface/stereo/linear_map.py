@@ -17,7 +17,8 @@ def nearest_linear_map(
 
     It minimises the sum of the squared sines of the angles, `N / D` with `N = |(I - n n') T v|^2`
     and `D = |T v|^2`. Where the sum is least so is that of `(N - q D) / D_0`, q and D_0 being N / D
-    and D there: a quadratic form in T, whose least eigenvector is T, found in rounds.
+    and D there: a quadratic form in T, whose least eigenvector is T, found in rounds. The best
+    round counts.
 
     Parameters
     ----------
@@ -34,13 +35,17 @@ def nearest_linear_map(
     whitening = axes[:, kept] / np.sqrt(spread[kept])
     white = structure @ whitening
     weight = 1 / np.maximum((white**2).sum(axis=1), np.finfo(np.float64).tiny)
-    sine = np.zeros(len(normals))
     size = white.shape[1]
-    for _ in range(ROUNDS):
+    sine, least = np.zeros(len(normals)), np.inf
+    for done in range(2 * ROUNDS):
         across = (1 - sine)[:, None, None] * np.eye(3) - normals[:, :, None] * normals[:, None, :]
         form = np.einsum("p,pij,pk,pl->ikjl", weight, across, white, white, optimize=True)
-        rows = np.linalg.eigh(form.reshape(3 * size, 3 * size))[1][:, 0].reshape(3, size)
-        mapped = white @ rows.T
+        tried = np.linalg.eigh(form.reshape(3 * size, 3 * size))[1][:, 0].reshape(3, size)
+        mapped = white @ tried.T
         weight = 1 / np.maximum((mapped**2).sum(axis=1), np.finfo(np.float64).tiny)
-        sine = 1 - (mapped * normals).sum(axis=1) ** 2 * weight
-    return np.asarray(rows @ whitening.T * np.sign((mapped * normals).sum()))
+        sines = 1 - (mapped * normals).sum(axis=1) ** 2 * weight
+        if sines.sum() < least:
+            rows, least = tried * np.sign((mapped * normals).sum()), sines.sum()
+        # Half of the rounds bring the weights near; from further off, the rest would not settle.
+        sine = sines if done >= ROUNDS else sine
+    return np.asarray(rows @ whitening.T)

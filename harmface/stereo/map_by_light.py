@@ -1,10 +1,11 @@
-"""The linear map that harmonics leave vague, settled by light from points.
+"""Which normals the nine dimensions mean, settled by light from points.
 
 Harmonics of degree 2 explain photographs of attached shadows only nearly, and there is little
 that they lose if every normal is changed by the same linear map and albedo by a function of the
 normal: it takes 10 to 30 percent from the rims. The cues read the map off albedo, so it comes
 out wrong by 5 to 10 degrees, while the normals are right to about one but for the map. Points,
-never negative, allow no such exchange, and a few images and pixels are enough to find the map.
+never negative, allow no such exchange, and a few images are enough to find them; the linear
+functions of the nine dimensions that come nearest to the normals found so then serve all images.
 """
 
 from dataclasses import dataclass, replace
@@ -29,29 +30,27 @@ PIXELS = 300
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """What light from points says of second-order structure.
+    """Linear functions of the images' structure that give scaled normals.
 
     Parameters
     ----------
-    map
-        Of the scaled normals; their directions are right after it.
+    directions
+        Rows that take the images' structure to vectors along the normals.
     albedo
-        Row that takes the images' structure to albedo, which is the first of its harmonics.
+        Row that takes it to albedo, the first of its harmonics.
     fit
         What both were read from.
     """
 
-    map: Float[np.ndarray, "3 3"]
+    directions: Float[np.ndarray, "3 d"]
     albedo: Float[np.ndarray, "d"]
     fit: Refined
 
-    def applied(
-        self, b: Float[np.ndarray, "p 3"], structure: Float[np.ndarray, "d p"]
-    ) -> Float[np.ndarray, "p 3"]:
-        """Return scaled normals of the mapped directions and this albedo."""
-        mapped = b @ self.map.T
-        length = np.maximum(np.linalg.norm(mapped, axis=1), np.finfo(np.float64).tiny)
-        return mapped * (np.maximum(self.albedo @ structure, 0) / length)[:, None]
+    def scaled_normals(self, structure: Float[np.ndarray, "d p"]) -> Float[np.ndarray, "p 3"]:
+        """Return the scaled normals of a structure."""
+        along = structure.T @ self.directions.T
+        length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(np.float64).tiny)
+        return along * (np.maximum(self.albedo @ structure, 0) / length)[:, None]
 
 
 def settled_by_light(
@@ -61,7 +60,7 @@ def settled_by_light(
     knowledge: Knowledge,
     rng: np.random.Generator,
 ) -> Settled | None:
-    """Return the linear map and the albedo that points choose.
+    """Return the linear functions of the structure that points choose.
 
     None if points explain no more than harmonics do, as in images that are of degree 2.
 
@@ -96,4 +95,4 @@ def settled_by_light(
     normals = fit.b[bright] / length[bright, None]
     relative = structure[:, bright] / length[bright]
     albedo = np.linalg.lstsq(relative.T, np.ones(len(normals)), rcond=None)[0]
-    return Settled(nearest_linear_map(b[bright], normals), albedo, fit)
+    return Settled(nearest_linear_map(structure[:, bright].T, normals), albedo, fit)

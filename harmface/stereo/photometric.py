@@ -284,4 +284,5 @@ def _known_normals(
         raise ArgumentError(
             f"normals_known must hold at least 2 normals within the mask, got {len(pixels)}"
         )
-    return KnownNormals(pixels, checks.unit_vectors("normals_known", inside[pixels]))
+    places = np.argwhere(mask)[pixels].astype(np.float64)
+    return KnownNormals(places, checks.unit_vectors("normals_known", inside[pixels]))

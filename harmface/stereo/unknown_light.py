@@ -75,9 +75,10 @@ def recover(
     progress
         Called with the share of the work that is done.
     """
-    factor = 1 if normals is not None else coarse_factor(stack.mask)
+    factor = coarse_factor(stack.mask)
     coarse = coarse_stack(stack, factor)
-    known = Knowledge(None, normals, mirror_index(coarse.mask) if symmetric else None)
+    measured = None if normals is None else normals.on_blocks(factor)
+    known = Knowledge(None, measured, mirror_index(coarse.mask) if symmetric else None)
     found = factorize(coarse.values, (4, 9)[order - 1])
     structure = found.light.T @ stack.values
     # Means over blocks lie inside the cone, so that of exact images is found from single pixels.
@@ -134,7 +135,7 @@ def recover(
         extended, b = structure, structure.T @ rows.T
         cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
         if settled is not None:
-            b = settled.applied(b, structure)
+            b = settled.scaled_normals(structure)
             rows, cues = settled.fit.transformation, settled.fit.cues
             extended = np.linalg.solve(rows, b.T)
         raw = b

@@ -28,7 +28,7 @@ def test_points_choose_the_map_and_the_albedo(ball, single_lights, rng):
     known = Knowledge(outline_of(ball.mask))
     found = settled_by_light(ball.stack(images), structure, off, known, rng)
     assert found.fit.model.count == 1
-    b = found.applied(off, structure)
+    b = found.scaled_normals(structure)
     assert angular_errors(unit(b), ball.normals).mean() < 0.5
     albedo = np.linalg.norm(b, axis=1) / ball.albedo
     assert np.std(np.log(albedo)) < 0.05
@@ -67,7 +67,7 @@ def test_no_light_is_no_albedo(ball, single_lights, rng):
     structure = factorize(images, 9).structure
     stack = image_stack(ball.pictures(images), ball.mask)
     found = settled_by_light(stack, structure, ball.b, Knowledge(outline_of(ball.mask)), rng)
-    b = found.applied(ball.b, structure)
+    b = found.scaled_normals(structure)
     assert np.isfinite(b).all()
     assert np.abs(b[:5]).max() < 1e-6
 
