@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_erosion, gaussian_filter
 
 from harmface.stereo.cells import Cells, cells_of
-from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.homogeneous import directions_of, scaled_normal_images
 from harmface.stereo.lorentz import METRIC
 
 TINY = float(np.finfo(np.float64).tiny)
@@ -257,18 +257,18 @@ class Cues:
             parts.append((_anisotropy(rows @ turned) / LORENTZ, self._isometry_say))
         if self._outline is not None:
             v, outward = self._outline
-            n = _unit(v @ turned)
+            n = directions_of(v @ turned)
             along = n[..., 1] * outward[:, 0] - n[..., 0] * outward[:, 1]
             short = np.maximum(RIM_SLANT - (n[..., :2] * outward).sum(axis=-1), 0)
             parts += [(along / RIM_TURN, 1.0), (short / FLOOR, 1.0)]
         if self._known is not None:
             v, unsure, normals = self._known
-            missed = (_unit(v @ turned) - normals) / (FLOOR + unsure[:, None])
+            missed = (directions_of(v @ turned) - normals) / (FLOOR + unsure[:, None])
             parts.append((missed.reshape(len(rows), -1), KNOWN_SAY / len(normals)))
         if self._pairs is not None:
             # Unit vectors, since albedo need not be symmetric; each component against its own
             # spread, so that none gains by vanishing everywhere.
-            here, there = (_unit(side @ turned) for side in self._pairs)
+            here, there = (directions_of(side @ turned) for side in self._pairs)
             spread = here.std(axis=1, keepdims=True) + TINY
             apart = ((here - there * (-1, 1, 1)) / spread).reshape(len(rows), -1)
             parts.append((apart * USUAL_SPREAD / FLOOR, 1 / 3))
@@ -317,7 +317,3 @@ def _anisotropy(products: Float[np.ndarray, "m 3 3"]) -> Float[np.ndarray, "m 6"
     """Return how far symmetric matrices are from multiples of the identity."""
     scale = np.abs(np.einsum("mii->m", products)) / 3 + TINY
     return (products / scale[:, None, None] - np.eye(3))[:, *np.triu_indices(3)]
-
-
-def _unit(b: Float[np.ndarray, "m n 3"]) -> Float[np.ndarray, "m n 3"]:
-    return b / (np.linalg.norm(b, axis=-1, keepdims=True) + TINY)

@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float
 
 from harmface.stereo.cues import Cues, Knowledge
 from harmface.stereo.gauge import best_lorentz
-from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.homogeneous import directions_of, scaled_normal_images
 from harmface.stereo.inflation import inflated_normals
 from harmface.stereo.joint import JointFit, fit_jointly
 from harmface.stereo.light_models import HarmonicLight
@@ -67,7 +67,7 @@ def exact_second_order(
     rows, *_ = np.linalg.lstsq(values.T, fit.b, rcond=None)
     found = blocks.T @ rows
     null = structure_of(MODEL, found)
-    aligned = nearest_lorentz(_unit(found), _unit(b))
+    aligned = nearest_lorentz(directions_of(found), directions_of(b))
     transformation = best_lorentz(Cues(null, mask, knowledge), [aligned[1:]], rng)
     chosen = mapped(transformation, structure_of(MODEL, fit.b))
     rows, *_ = np.linalg.lstsq(values.T, chosen, rcond=None)
@@ -77,7 +77,3 @@ def exact_second_order(
 def _fit(values: Float[np.ndarray, "9 n"], b: Float[np.ndarray, "n 3"]) -> JointFit:
     light = np.linalg.lstsq(scaled_normal_images(b, 2).T, values.T, rcond=None)[0].T
     return fit_jointly(values, MODEL, light, b, iterations=ITERATIONS, tolerance=0)
-
-
-def _unit(b: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-    return b / np.linalg.norm(b, axis=1, keepdims=True)

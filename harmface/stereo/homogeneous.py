@@ -15,6 +15,12 @@ from harmface.reflectance import lambert_coefficients
 from harmface.sphere import fibonacci_directions, real_harmonics
 
 
+def directions_of(b: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
+    """Return the unit vectors along scaled normals; zero along zero."""
+    length = np.linalg.norm(b, axis=-1, keepdims=True)
+    return np.asarray(b / np.maximum(length, np.finfo(np.float64).tiny))
+
+
 def scaled_normal_images(b: Float[np.ndarray, "p 3"], degree: int) -> Float[np.ndarray, "K p"]:
     """Return `S_k = |b| A_l Y_k(b / |b|)`.
 

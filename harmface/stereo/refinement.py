@@ -23,6 +23,7 @@ from harmface.stereo.cues import ALL_CELLS, MOST_CELLS, NOTHING, Cues, Knowledge
 from harmface.stereo.factorization import factorize
 from harmface.stereo.gauge import best_linear, best_of, best_rotation, boosted, improved, shifted
 from harmface.stereo.hayakawa import equal_strength_metric
+from harmface.stereo.homogeneous import directions_of
 from harmface.stereo.integrability import integrable_start
 from harmface.stereo.light_models import HarmonicLight, LightModel, has_one_point, uniform_share
 from harmface.stereo.lorentz import nearest_lorentz
@@ -129,7 +130,7 @@ def refine(
 
     cues = cues_of(MOST_CELLS)
     if isinstance(found.model, HarmonicLight):
-        aligned = nearest_lorentz(_unit(found.b), _unit(start))
+        aligned = nearest_lorentz(directions_of(found.b), directions_of(start))
         transformation = best_of(cues, [aligned[1:]], boosted, 6)
     else:
         back, *_ = np.linalg.lstsq(found.b, start, rcond=None)
@@ -178,10 +179,6 @@ def mapped(
     if len(structure) == 4:
         b *= (np.linalg.norm(b, axis=1) / np.maximum(structure[0], np.finfo(b.dtype).tiny))[:, None]
     return b
-
-
-def _unit(b: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-    return b / np.linalg.norm(b, axis=1, keepdims=True)
 
 
 @dataclass(frozen=True, eq=False)
