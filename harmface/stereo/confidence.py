@@ -39,7 +39,7 @@ def noise_error(
     normal's is `P C P / |b|^2`, P the projection across b; its trace is the square of the angle.
     """
     found = np.empty(len(b))
-    for some in chunks(len(b), 8 * len(values)):
+    for some in chunks(len(b), 32 * len(values)):
         found[some] = _noise_error(values[:, some], model, light, b[some], weights[:, some])
     return found
 

@@ -23,11 +23,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.blas import dsyrk
 
 from harmface.stereo.light_models import LightModel
 
 LEAST_DAMPING = 1e-12
 MOST_DAMPING = 1e8
+
+PIXELS = 150
+"""Pixels eliminated at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,21 +155,28 @@ def _solve(
 ) -> tuple[Float[np.ndarray, "F q"], Float[np.ndarray, "p 3"]]:
     images, size, pixels, _ = system.coupling.shape
     # Cholesky factors of the damped blocks, so that Z Z' with Z = W C^-T is W V^-1 W'.
-    normal = _damped(system.normal, damping)
-    inverse = np.linalg.inv(np.linalg.cholesky(normal))
-    # Pixels first, so that one small product a pixel makes Z.
-    coupling = system.coupling.reshape(images * size, pixels, 3).swapaxes(0, 1)
-    z = (coupling @ inverse.swapaxes(1, 2)).swapaxes(0, 1).reshape(images * size, pixels * 3)
+    inverse = np.linalg.inv(np.linalg.cholesky(_damped(system.normal, damping)))
     slope = np.einsum("pji,pi->pj", inverse, system.normal_slope)
-    reduced = -(z @ z.T)
-    blocks = reduced.reshape(images, size, images, size)
+    coupling = system.coupling.reshape(images * size, pixels, 3)
+    reduced = np.zeros((images * size, images * size), order="F")
+    right = system.light_slope.ravel().copy()
+    # A share of the pixels at a time, since Z is as large as the coupling.
+    for first in range(0, pixels, PIXELS):
+        some = slice(first, first + PIXELS)
+        # Pixels first, so that one small product a pixel makes Z.
+        z = coupling[:, some].swapaxes(0, 1) @ inverse[some].swapaxes(1, 2)
+        z = z.swapaxes(0, 1).reshape(images * size, -1)
+        # The lower half, in place.
+        dsyrk(-1.0, z.T, beta=1.0, c=reduced, trans=1, lower=1, overwrite_c=1)
+        right -= z @ slope[some].ravel()
+    blocks = reduced.T.reshape(images, size, images, size)
     each = np.arange(images)
     blocks[each, :, each] += _damped(system.light, damping)
-    right = system.light_slope.ravel() - z @ slope.ravel()
     # LAPACK's Cholesky: scipy's and numpy's general solvers take many times as long here.
-    light_step = cho_solve(cho_factor(reduced, overwrite_a=True), right)
-    rest = slope - (light_step @ z).reshape(pixels, 3)
-    return light_step.reshape(images, size), np.einsum("pij,pi->pj", inverse, rest)
+    light_step = cho_solve(cho_factor(reduced, lower=True, overwrite_a=True), right)
+    moved = np.tensordot(light_step, coupling, axes=1)
+    rest = slope - np.einsum("pij,pj->pi", inverse, moved)
+    return light_step.reshape(images, size), np.einsum("pji,pj->pi", inverse, rest)
 
 
 def _damped(blocks: Float[np.ndarray, "n d d"], damping: float) -> Float[np.ndarray, "n d d"]:
