@@ -30,7 +30,7 @@ from harmface.stereo.light_models import LightModel
 LEAST_DAMPING = 1e-12
 MOST_DAMPING = 1e8
 
-PIXELS = 150
+PIXELS = 50
 """Pixels eliminated at a time."""
 
 
@@ -111,11 +111,15 @@ def fit_jointly(
 
 @dataclass(frozen=True, eq=False)
 class _System:
-    """The blocks of the normal equations: U, V, W, g and h of the module's text."""
+    """The blocks of the normal equations: U, V, g and h of the module's text.
+
+    W, the largest, is `by_light[..., None] * by_normal[:, None]` and made when it is needed.
+    """
 
     light: Float[np.ndarray, "F q q"]
     normal: Float[np.ndarray, "p 3 3"]
-    coupling: Float[np.ndarray, "F q p 3"]
+    by_light: Float[np.ndarray, "F q p"]
+    by_normal: Float[np.ndarray, "F p 3"]
     light_slope: Float[np.ndarray, "F q"]
     normal_slope: Float[np.ndarray, "p 3"]
 
@@ -144,7 +148,8 @@ def _normal_equations(
     return _System(
         light=weighted_light @ by_light.swapaxes(1, 2),
         normal=np.einsum("fpi,fpj->pij", weighted, by_normal, optimize=True),
-        coupling=by_light[..., None] * weighted[:, None],
+        by_light=by_light,
+        by_normal=weighted,
         light_slope=np.einsum("fqp,fp->fq", weighted_light, residual),
         normal_slope=np.einsum("fpi,fp->pi", weighted, residual),
     )
@@ -153,18 +158,19 @@ def _normal_equations(
 def _solve(
     system: _System, damping: float
 ) -> tuple[Float[np.ndarray, "F q"], Float[np.ndarray, "p 3"]]:
-    images, size, pixels, _ = system.coupling.shape
+    images, size, pixels = system.by_light.shape
     # Cholesky factors of the damped blocks, so that Z Z' with Z = W C^-T is W V^-1 W'.
     inverse = np.linalg.inv(np.linalg.cholesky(_damped(system.normal, damping)))
     slope = np.einsum("pji,pi->pj", inverse, system.normal_slope)
-    coupling = system.coupling.reshape(images * size, pixels, 3)
     reduced = np.zeros((images * size, images * size), order="F")
     right = system.light_slope.ravel().copy()
-    # A share of the pixels at a time, since Z is as large as the coupling.
+    # A share of the pixels at a time, since W and Z are larger than all else.
     for first in range(0, pixels, PIXELS):
         some = slice(first, first + PIXELS)
         # Pixels first, so that one small product a pixel makes Z.
-        z = coupling[:, some].swapaxes(0, 1) @ inverse[some].swapaxes(1, 2)
+        coupling = system.by_light[:, :, some, None] * system.by_normal[:, None, some]
+        coupling = coupling.reshape(images * size, -1, 3).swapaxes(0, 1)
+        z = coupling @ inverse[some].swapaxes(1, 2)
         z = z.swapaxes(0, 1).reshape(images * size, -1)
         # The lower half, in place.
         dsyrk(-1.0, z.T, beta=1.0, c=reduced, trans=1, lower=1, overwrite_c=1)
@@ -174,9 +180,11 @@ def _solve(
     blocks[each, :, each] += _damped(system.light, damping)
     # LAPACK's Cholesky: scipy's and numpy's general solvers take many times as long here.
     light_step = cho_solve(cho_factor(reduced, lower=True, overwrite_a=True), right)
-    moved = np.tensordot(light_step, coupling, axes=1)
+    light_step = light_step.reshape(images, size)
+    by_light = np.einsum("fq,fqp->fp", light_step, system.by_light)
+    moved = np.einsum("fp,fpi->pi", by_light, system.by_normal)
     rest = slope - np.einsum("pij,pj->pi", inverse, moved)
-    return light_step.reshape(images, size), np.einsum("pji,pj->pi", inverse, rest)
+    return light_step, np.einsum("pji,pj->pi", inverse, rest)
 
 
 def _damped(blocks: Float[np.ndarray, "n d d"], damping: float) -> Float[np.ndarray, "n d d"]:

@@ -37,7 +37,7 @@ def fit_normals(
         Steps tried.
     """
     b = start.astype(np.float64)
-    for some in chunks(len(b), 32 * len(values)):
+    for some in chunks(len(b), 64 * len(values)):
         b[some], _ = fit_abreast(
             values[:, some].T,
             lambda b: model.predict(light, b).T,

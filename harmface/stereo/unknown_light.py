@@ -201,7 +201,7 @@ def _refitted(
     A share of the pixels at a time, to hold no more than the weights beside the stack.
     """
     raw, weights = np.empty(start.shape), np.empty(stack.values.shape, np.float32)
-    parts = interleaved(len(start), 32 * len(light))
+    parts = interleaved(len(start), 64 * len(light))
     for number, some in enumerate(parts):
         values = stack.values[:, some]
         if is_single(model):

@@ -51,9 +51,11 @@ def test_energy_falls_and_is_that_of_the_result(ball, single_lights, rng, weight
     assert abs(fit.energies[-1] / energy - 1) < 1e-12
 
 
-def test_step_is_that_of_the_whole_normal_equations(rng):
+@pytest.mark.parametrize("pixels", [4, 100])
+def test_step_is_that_of_the_whole_normal_equations(rng, monkeypatch, pixels):
     from harmface.stereo import joint
 
+    monkeypatch.setattr(joint, "PIXELS", pixels)
     model = HarmonicLight(1)
     light, b = rng.standard_normal((5, 4)), rng.standard_normal((6, 3))
     values, weights = rng.standard_normal((5, 6)), rng.uniform(0.5, 1, (5, 6))
