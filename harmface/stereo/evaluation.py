@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.stereo.homogeneous import directions_of
 from harmface.stereo.linear_map import nearest_linear_map
 from harmface.stereo.lorentz import nearest_lorentz
 
@@ -99,6 +100,4 @@ def without_linear_map(
     factorisation, d = 4 or 9, it is the *oracle*: no method that is linear in that space does
     better. See `nearest_linear_map`.
     """
-    mapped = b @ nearest_linear_map(b, truth).T
-    length = np.linalg.norm(mapped, axis=1, keepdims=True)
-    return mapped / np.maximum(length, np.finfo(np.float64).tiny)
+    return directions_of(b @ nearest_linear_map(b, truth).T)

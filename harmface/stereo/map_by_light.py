@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from harmface.stereo.cues import Knowledge
-from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.homogeneous import directions_of, scaled_normal_images
 from harmface.stereo.light_models import HarmonicLight
 from harmface.stereo.linear_map import nearest_linear_map
 from harmface.stereo.refinement import Refined, refine
@@ -48,9 +48,8 @@ class Settled:
 
     def scaled_normals(self, structure: Float[np.ndarray, "d p"]) -> Float[np.ndarray, "p 3"]:
         """Return the scaled normals of a structure."""
-        along = structure.T @ self.directions.T
-        length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(np.float64).tiny)
-        return along * (np.maximum(self.albedo @ structure, 0) / length)[:, None]
+        albedo = np.maximum(self.albedo @ structure, 0)
+        return directions_of(structure.T @ self.directions.T) * albedo[:, None]
 
 
 def settled_by_light(

@@ -89,22 +89,23 @@ def recover(
     warnings = []
     if not first.cone.signature_held:
         warnings.append("the quadric of the first-order structure lost its signature")
-    exact = None
+    settled = None
     if order == 2:
         b = second_order(found.structure, coarse.mask, b, known).b
-    if order == 2 and 1 - found.energy[8] < EXACT:
-        starts = (b, first.b)
-        exact = exact_second_order(structure, found.structure, coarse.mask, starts, known, rng)
-        b = b if exact is None else exact
-    if order == 2 and exact is None and found.singular_values[8] < WEAK * found.singular_values[0]:
-        warnings.append(
-            "images have fewer than nine usable dimensions: the light is smooth or changes "
-            "little, so the second order adds little to the first"
-        )
-    progress(0.3)
-    settled = None
-    if order == 2 and not refine and exact is None:
-        settled = settled_by_light(coarse, found.structure, b, known, rng)
+        exact = None
+        if 1 - found.energy[8] < EXACT:
+            starts = (b, first.b)
+            exact = exact_second_order(structure, found.structure, coarse.mask, starts, known, rng)
+        if exact is not None:
+            b = exact
+        elif found.singular_values[8] < WEAK * found.singular_values[0]:
+            warnings.append(
+                "images have fewer than nine usable dimensions: the light is smooth or changes "
+                "little, so the second order adds little to the first"
+            )
+        progress(0.3)
+        if exact is None and not refine:
+            settled = settled_by_light(coarse, found.structure, b, known, rng)
     model: LightModel = HarmonicLight(order)
     converged = None
     fit = refined(coarse, b, known, rng=rng) if refine else None
@@ -131,13 +132,14 @@ def recover(
         extended = structure_of(model, raw)
         b = mapped(rows, extended)
     else:
-        rows = np.linalg.lstsq(found.structure.T, b, rcond=None)[0].T
-        extended, b = structure, structure.T @ rows.T
-        cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
         if settled is not None:
             b = settled.scaled_normals(structure)
             rows, cues = settled.fit.transformation, settled.fit.cues
             extended = np.linalg.solve(rows, b.T)
+        else:
+            rows = np.linalg.lstsq(found.structure.T, b, rcond=None)[0].T
+            extended, b = structure, structure.T @ rows.T
+            cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
         raw = b
         light = harmonic_light(stack.values, raw, order)
         weights = np.broadcast_to(1.0, stack.values.shape)
