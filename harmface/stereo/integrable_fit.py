@@ -51,6 +51,12 @@ DARKEST = 0.05
 ROUNDS = 5
 """Reweightings of the surface that the iteration starts from."""
 
+STEPS = 20
+"""Most steps taken."""
+
+TOLERANCE = 1e-3
+"""Relative fall of the energy below which the fit has converged."""
+
 HALVINGS = 10
 """Of a step, before it is given up."""
 
@@ -78,7 +84,7 @@ class IntegrableFit:
     energies
         E of the module's text at the start and after each step taken: it never grows.
     converged
-        Whether the last step changed the energy by less than the tolerance, or none lowered it.
+        Whether the last step changed the energy by less than `TOLERANCE`, or none lowered it.
     """
 
     depth: Float[np.ndarray, "p"]
@@ -100,8 +106,6 @@ def fit_integrable(
     weights: Float[np.ndarray, "F p"] | None = None,
     noise: float | None = None,
     smoothness: float = 1.0,
-    iterations: int = 20,
-    tolerance: float = 1e-3,
 ) -> IntegrableFit:
     """Return scaled normals and depth that minimise the energy of the module's text.
 
@@ -125,10 +129,6 @@ def fit_integrable(
         Of the surface: its slopes are expected to change by about 1 / smoothness from a pixel to
         the next, rarely by much more. 1 expects next to nothing; 3 helps where images are few or
         noisy; below `LEAST_SMOOTHNESS` it has no effect.
-    iterations
-        Most steps tried.
-    tolerance
-        Relative fall of the energy below which the fit has converged.
 
     Raises
     ------
@@ -168,9 +168,9 @@ def fit_integrable(
     state = _start(problem, b)
     energies = [state.energy]
     converged = False
-    for _ in range(iterations):
+    for _ in range(STEPS):
         better = _step(problem, state)
-        converged = better is None or state.energy - better.energy <= tolerance * state.energy
+        converged = better is None or state.energy - better.energy <= TOLERANCE * state.energy
         if better is not None:
             state = better
             energies.append(state.energy)

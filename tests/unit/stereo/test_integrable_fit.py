@@ -6,6 +6,7 @@ from scipy.interpolate import BSpline
 
 from harmface.errors import ArgumentError
 from harmface.sphere import fibonacci_directions
+from harmface.stereo import integrable_fit
 from harmface.stereo.evaluation import angular_errors
 from harmface.stereo.integrable_fit import GIVE, fit_integrable
 from harmface.stereo.light_models import PointLights
@@ -117,15 +118,18 @@ def test_energy_does_not_rise_where_three_lights_and_shadows_mislead():
     assert (np.diff(fit.energies) < 0).all()
 
 
-def test_converges_by_its_tolerance():
+def test_converges_by_its_tolerance(monkeypatch):
     relief = Relief()
     lights = front(4)
     images, own = relief.photographed(lights, 0.03)
     arguments = (images, relief.mask, MODEL, lights, own)
-    at_once = fit_integrable(*arguments, noise=0.03, tolerance=1.0)
+    monkeypatch.setattr(integrable_fit, "TOLERANCE", 1.0)
+    at_once = fit_integrable(*arguments, noise=0.03)
     assert at_once.converged
     assert len(at_once.energies) == 2
-    cut_short = fit_integrable(*arguments, noise=0.03, iterations=1, tolerance=0.0)
+    monkeypatch.setattr(integrable_fit, "TOLERANCE", 0.0)
+    monkeypatch.setattr(integrable_fit, "STEPS", 1)
+    cut_short = fit_integrable(*arguments, noise=0.03)
     assert not cut_short.converged
 
 
