@@ -2,6 +2,7 @@
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.ndimage import distance_transform_edt
 
 from harmface.stereo.stack import ImageStack
 
@@ -56,3 +57,19 @@ def spread_over(
     """Return values of the fine pixels by the linear map that gives those of the blocks."""
     rows, *_ = np.linalg.lstsq(coarse_structure.T, coarse, rcond=None)
     return structure.T @ rows
+
+
+def spread_to_nearest(
+    coarse: Float[np.ndarray, "c"],
+    coarse_mask: Bool[np.ndarray, "h w"],
+    mask: Bool[np.ndarray, "H W"],
+    factor: int,
+) -> Float[np.ndarray, "p"]:
+    """Return for each pixel of a mask the value of its block, or of the nearest that is whole."""
+    picture = np.zeros(coarse_mask.shape)
+    picture[coarse_mask] = coarse
+    row, column = distance_transform_edt(~coarse_mask, return_distances=False, return_indices=True)
+    # Beyond the last whole block there may be a strip of pixels.
+    block = np.minimum(np.argwhere(mask) // factor, np.array(coarse_mask.shape) - 1)
+    block = tuple(block.T)
+    return np.asarray(picture[row[block], column[block]])

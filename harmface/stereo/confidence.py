@@ -10,16 +10,17 @@ vague, and the covariance is carried to each normal.
 import numpy as np
 from jaxtyping import Float
 
-from harmface.stereo.cues import Cues
+from harmface.stereo.cues import ALONE, Cues
 from harmface.stereo.factorization import chunks
-from harmface.stereo.gauge import Rows, curvature, shifted
+from harmface.stereo.gauge import Rows, linearized, shifted
 from harmface.stereo.light_models import LightModel
 
 HALF_SURE = 5.0
 """Expected error, degrees, at which confidence is a half."""
 
-CORRELATED = 30.0
-"""Residuals of the cues that say the same: neighbouring cells share texture and surface."""
+UNTOLD = 4.0
+"""Times by which the map errs more than the residuals of the cues tell, as light that the model
+misses bends what they judge: 1 to 3 under single sources, 2 to 8 under several."""
 
 POOLED = 2
 """Observations that the noise of all pixels counts for in that of each."""
@@ -75,6 +76,9 @@ def ambiguity_error(
 ) -> Float[np.ndarray, "p"]:
     """Return the standard deviation of each normal by the vagueness of the cues, degrees.
 
+    The covariance of T is Huber's ([H67]_), `H^-1 G H^-1`: H the second derivative of the cost,
+    G the sum of `g g'` over the regions of the picture, g the slope of the cost of one.
+
     Parameters
     ----------
     cues
@@ -84,11 +88,18 @@ def ambiguity_error(
     structure
         v.
     """
-    information = curvature(cues, rows, shifted, rows.size) / CORRELATED
+    near = linearized(cues, rows, shifted, rows.size)
+    pulls = near.slope * near.pull
+    together = np.zeros((rows.size, near.region.max(initial=0) + 1))
+    placed = near.region != ALONE
+    np.add.at(together.T, near.region[placed], pulls[:, placed].T)
+    alone = pulls[:, ~placed]
     # The scale of T moves no normal; neither does what the cues cannot see at all beyond reason.
-    covariance = np.linalg.inv(information + np.eye(rows.size))
+    reason = np.eye(rows.size)
+    curvature = np.linalg.inv(near.curvature + reason)
+    spread = UNTOLD**2 * (together @ together.T + alone @ alone.T) + reason
     size = np.linalg.norm(rows) / 3
-    covariance = covariance.reshape(*rows.shape, *rows.shape) * size**2
+    covariance = (curvature @ spread @ curvature).reshape(*rows.shape, *rows.shape) * size**2
     b = rows @ structure
     length = np.maximum(np.linalg.norm(b, axis=0), np.finfo(np.float64).tiny)
     moved = np.einsum("iajb,ap,bp->pij", covariance, structure, structure, optimize=True)

@@ -79,6 +79,13 @@ half a block inside, where dents begin."""
 RIM_SLANT = 0.95
 """Least outward component of a normal on an occluding outline, seen half a pixel inside it."""
 
+REGIONS = 6
+"""Regions along each side of the object. Within one, residuals err together, since neighbours
+share texture and surface."""
+
+ALONE = np.int64(-1)
+"""Region of what errs by itself."""
+
 
 @dataclass(frozen=True, eq=False)
 class Outline:
@@ -156,6 +163,25 @@ class Knowledge:
 NOTHING = Knowledge()
 
 
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What cues say of candidates.
+
+    Parameters
+    ----------
+    residual
+        Of all cues over their floors, a row a candidate.
+    weight
+        Of each residual.
+    region
+        Where in the picture each residual comes from, `ALONE` if it is of no place.
+    """
+
+    residual: Float[np.ndarray, "m r"]
+    weight: Float[np.ndarray, "r"]
+    region: Int[np.ndarray, "r"]
+
+
 class Cues:
     """Cost of candidates `b = T v` for fixed v.
 
@@ -194,6 +220,8 @@ class Cues:
         size = np.maximum(np.abs(size), 1e-6 * np.abs(size).max())
         v = (structure / size).T
         seen: Cells = cells_of(mask).thinned(cells)
+        region = _regions(mask)
+        self._cell_region = region[seen.corners[:, 0]]
         self._cell_say = min(1.0, MOST_CELLS / max(1, len(seen.corners)))
         fields = (seen.middle(v), seen.along_x(v), seen.along_y(v))
         self._middle, self._dx, self._dy = (np.ascontiguousarray(field.T) for field in fields)
@@ -203,19 +231,21 @@ class Cues:
         self._lights = lights
         self._isometry_say = LORENTZ_SAY * min(1.0, uniform / USUAL_UNIFORM)
         outline, known, mirrored = knowledge.outline, knowledge.normals, knowledge.mirrored
-        self._outline = None if outline is None else (v[outline.pixels], outline.outward)
+        self._outline = None
+        if outline is not None:
+            self._outline = (v[outline.pixels], outline.outward, region[outline.pixels])
         self._known = None
         if known is not None:
             self._known = (*_at_places(v, mask, known.places), known.normals)
         self._explained = None
         if explain:
             some = np.linspace(0, len(v) - 1, min(len(v), MOST_EXPLAINED)).astype(int)
-            self._explained = v[some]
+            self._explained = (v[some], region[some])
         self._pairs = None
         if mirrored is not None:
             left = np.flatnonzero(mirrored >= 0)
             left = left[:: max(1, len(left) // MOST_CELLS)]
-            self._pairs = (structure.T[left], structure.T[mirrored[left]])
+            self._pairs = (structure.T[left], structure.T[mirrored[left]], region[left])
 
     def cost(self, rows: Float[np.ndarray, "3 d"]) -> float:
         """Return the cost of T: lower is better, differences of a few units count."""
@@ -225,14 +255,12 @@ class Cues:
         """Return the cost of each of many T."""
         found = []
         for first in range(0, len(rows), BATCH):
-            residual, weight = self.residuals(rows[first : first + BATCH])
-            found.append(np.log1p(residual**2) @ weight / 2)
+            said = self.evidence(rows[first : first + BATCH])
+            found.append(np.log1p(said.residual**2) @ said.weight / 2)
         return np.concatenate(found)
 
-    def residuals(
-        self, rows: Float[np.ndarray, "m 3 d"]
-    ) -> tuple[Float[np.ndarray, "m r"], Float[np.ndarray, "r"]]:
-        """Return the residuals of all cues over their floors for each T, and their weights."""
+    def evidence(self, rows: Float[np.ndarray, "m 3 d"]) -> Evidence:
+        """Return the residuals of all cues for each T, and how they are to be counted."""
         # Components first: sums over three of them are the bulk of the work.
         b, dx, dy = rows @ self._middle, rows @ self._dx, rows @ self._dy
         (x, y, z), (xdx, ydx, zdx), (xdy, ydy, zdy) = (f.swapaxes(0, 1) for f in (b, dx, dy))
@@ -244,51 +272,56 @@ class Cues:
         bend = np.sqrt(xx * xx + xy * xy + yx * yx + yy * yy) + TINY
         gx = self._grain[0] + (x * xdx + y * ydx + z * zdx) / squared
         gy = self._grain[1] + (x * xdy + y * ydy + z * zdy) / squared
-        parts = [
-            ((xx + yy) / bend / TWIST, self._cell_say),
-            (gx / self._coarse, GRAIN_SAY * self._cell_say),
-            (gy / self._coarse, GRAIN_SAY * self._cell_say),
-            (np.minimum(z / np.sqrt(squared), 0) / FLOOR, self._cell_say),
+        say, region = self._cell_say, self._cell_region
+        parts: list[tuple[Float[np.ndarray, "m n"], float, Int[np.ndarray, "*n"] | np.int64]] = [
+            ((xx + yy) / bend / TWIST, say, region),
+            (gx / self._coarse, GRAIN_SAY * say, region),
+            (gy / self._coarse, GRAIN_SAY * say, region),
+            (np.minimum(z / np.sqrt(squared), 0) / FLOOR, say, region),
         ]
         turned = rows.swapaxes(1, 2)
         if len(self._middle) == 4:
-            parts.append((_anisotropy(-rows @ METRIC @ turned) / LORENTZ, LORENTZ_SAY))
+            parts.append((_anisotropy(-rows @ METRIC @ turned) / LORENTZ, LORENTZ_SAY, ALONE))
         if self._isometry_say > 0:
-            parts.append((_anisotropy(rows @ turned) / LORENTZ, self._isometry_say))
+            parts.append((_anisotropy(rows @ turned) / LORENTZ, self._isometry_say, ALONE))
         if self._outline is not None:
-            v, outward = self._outline
+            v, outward, region = self._outline
             n = directions_of(v @ turned)
             along = n[..., 1] * outward[:, 0] - n[..., 0] * outward[:, 1]
             short = np.maximum(RIM_SLANT - (n[..., :2] * outward).sum(axis=-1), 0)
-            parts += [(along / RIM_TURN, 1.0), (short / FLOOR, 1.0)]
+            parts += [(along / RIM_TURN, 1.0, region), (short / FLOOR, 1.0, region)]
         if self._known is not None:
             v, unsure, normals = self._known
             missed = (directions_of(v @ turned) - normals) / (FLOOR + unsure[:, None])
-            parts.append((missed.reshape(len(rows), -1), KNOWN_SAY / len(normals)))
+            parts.append((missed.reshape(len(rows), -1), KNOWN_SAY / len(normals), ALONE))
         if self._pairs is not None:
             # Unit vectors, since albedo need not be symmetric; each component against its own
             # spread, so that none gains by vanishing everywhere.
-            here, there = (directions_of(side @ turned) for side in self._pairs)
+            left, right, region = self._pairs
+            here, there = (directions_of(side @ turned) for side in (left, right))
             spread = here.std(axis=1, keepdims=True) + TINY
             apart = ((here - there * (-1, 1, 1)) / spread).reshape(len(rows), -1)
-            parts.append((apart * USUAL_SPREAD / FLOOR, 1 / 3))
+            parts.append((apart * USUAL_SPREAD / FLOOR, 1 / 3, region.repeat(3)))
         if self._explained is not None:
-            v = self._explained
+            v, region = self._explained
             b = (v @ turned).reshape(-1, 3)
             images = scaled_normal_images(b, 2).T.reshape(len(rows), len(v), -1)
             basis = np.linalg.qr(images)[0]
             missed = v - basis @ (basis.swapaxes(1, 2) @ v)
-            parts.append((np.linalg.norm(missed, axis=-1) / UNEXPLAINED, EXPLAIN_SAY))
+            parts.append((np.linalg.norm(missed, axis=-1) / UNEXPLAINED, EXPLAIN_SAY, region))
         if self._lights is not None:
             sources = self._lights @ np.linalg.pinv(rows)
             strength = np.log(np.linalg.norm(sources, axis=-1) + TINY)
             apart = strength - np.median(strength, axis=1, keepdims=True)
             # Either they are equal, or many different ones are alike at least on average.
             bounded = apart / np.hypot(1, apart / UNEQUAL)
-            parts.append((bounded / FLOOR, LIGHT_SAY / strength.shape[1]))
-            parts.append((apart / FLOOR, UNEQUAL_SAY))
-        weights = [np.full(part.shape[1], say) for part, say in parts]
-        return np.concatenate([part for part, _ in parts], axis=1), np.concatenate(weights)
+            parts.append((bounded / FLOOR, LIGHT_SAY / strength.shape[1], ALONE))
+            parts.append((apart / FLOOR, UNEQUAL_SAY, ALONE))
+        return Evidence(
+            np.concatenate([part for part, _, _ in parts], axis=1),
+            np.concatenate([np.full(part.shape[1], say) for part, say, _ in parts]),
+            np.concatenate([np.broadcast_to(region, part.shape[1]) for part, _, region in parts]),
+        )
 
 
 def _at_places(
@@ -311,6 +344,14 @@ def _at_places(
     varied = shares @ (v**2).sum(axis=1) - (mean**2).sum(axis=1)
     usual = np.sqrt(v.var(axis=0).sum()) / (USUAL_SPREAD * np.sqrt(3)) + TINY
     return mean, np.sqrt(np.maximum(varied, 0)) / usual
+
+
+def _regions(mask: Bool[np.ndarray, "H W"]) -> Int[np.ndarray, "p"]:
+    """Return the number of the region of each pixel, below `REGIONS` squared."""
+    places = np.argwhere(mask)
+    first = places.min(axis=0)
+    row, column = ((places - first) * REGIONS // (places.max(axis=0) - first + 1)).T
+    return np.asarray(row * REGIONS + column)
 
 
 def _anisotropy(products: Float[np.ndarray, "m 3 3"]) -> Float[np.ndarray, "m 6"]:

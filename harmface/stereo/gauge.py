@@ -10,9 +10,10 @@ References
 """
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.spatial.transform import Rotation
 
 from harmface import checks
@@ -126,15 +127,13 @@ def best_of(cues: Cues, tried: list[Rows], move: Move, parameters: int) -> Rows:
 
 
 def improved(cues: Cues, rows: Rows, move: Move, parameters: int, steps: int = STEPS) -> Rows:
-    """Return the member that damped Gauss-Newton reaches ([M78]_), residuals reweighted.
-
-    `w / (1 + r^2)` are the weights under which the squares fall as the logarithms of the cost do.
-    """
+    """Return the member that damped Gauss-Newton reaches ([M78]_), residuals reweighted."""
     damping, cost = 1e-2, cues.cost(rows)
     system = None
     for _ in range(steps):
         if system is None:
-            system = _normal_equations(cues, rows, move, parameters)
+            near = linearized(cues, rows, move, parameters)
+            system = near.curvature, near.slope @ near.pull
         normal, right = system
         ridge = damping * (np.diag(normal) + 1e-9 * np.trace(normal))
         step = np.linalg.solve(normal + np.diag(ridge), -right)
@@ -154,17 +153,38 @@ def improved(cues: Cues, rows: Rows, move: Move, parameters: int, steps: int = S
     return rows
 
 
-def curvature(cues: Cues, rows: Rows, move: Move, parameters: int) -> Float[np.ndarray, "g g"]:
-    """Return the Gauss-Newton second derivative of the cost by the parameters of a move."""
-    return _normal_equations(cues, rows, move, parameters)[0]
+@dataclass(frozen=True, eq=False)
+class Linearized:
+    """Cues about a member, by the parameters of a move.
+
+    Parameters
+    ----------
+    slope
+        Derivatives of the residuals.
+    pull
+        Derivative of the cost by each residual: `w r / (1 + r^2)`.
+    weight
+        Of the squares that fall as the logarithms of the cost do: `w / (1 + r^2)`.
+    region
+        Where each residual comes from, see `Evidence`.
+    """
+
+    slope: Float[np.ndarray, "g r"]
+    pull: Float[np.ndarray, "r"]
+    weight: Float[np.ndarray, "r"]
+    region: Int[np.ndarray, "r"]
+
+    @property
+    def curvature(self) -> Float[np.ndarray, "g g"]:
+        """The second derivative of the cost, as Gauss and Newton have it."""
+        return np.asarray((self.slope * self.weight) @ self.slope.T)
 
 
-def _normal_equations(
-    cues: Cues, rows: Rows, move: Move, parameters: int
-) -> tuple[Float[np.ndarray, "g g"], Float[np.ndarray, "g"]]:
+def linearized(cues: Cues, rows: Rows, move: Move, parameters: int) -> Linearized:
+    """Return how the cues change with a move."""
     steps = DIFFERENCE * np.eye(parameters)
-    moved, say = cues.residuals(np.stack([rows, *(move(rows, step) for step in steps)]))
-    residual = moved[0]
-    weight = say / (1 + residual**2)
-    slope = (moved[1:] - residual) / DIFFERENCE
-    return (slope * weight) @ slope.T, slope @ (weight * residual)
+    said = cues.evidence(np.stack([rows, *(move(rows, step) for step in steps)]))
+    residual = said.residual[0]
+    slope = (said.residual[1:] - residual) / DIFFERENCE
+    weight = said.weight / (1 + residual**2)
+    return Linearized(slope, weight * residual, weight, said.region)

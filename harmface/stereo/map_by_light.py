@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from harmface.stereo.cues import Knowledge
+from harmface.stereo.evaluation import angular_errors
 from harmface.stereo.homogeneous import directions_of, scaled_normal_images
 from harmface.stereo.light_models import HarmonicLight
 from harmface.stereo.linear_map import nearest_linear_map
@@ -40,11 +41,15 @@ class Settled:
         Row that takes it to albedo, the first of its harmonics.
     fit
         What both were read from.
+    truncation_error
+        Angle between the normals that the directions give and those of the fit, degrees: what
+        nine dimensions bend.
     """
 
     directions: Float[np.ndarray, "3 d"]
     albedo: Float[np.ndarray, "d"]
     fit: Refined
+    truncation_error: Float[np.ndarray, "p"]
 
     def scaled_normals(self, structure: Float[np.ndarray, "d p"]) -> Float[np.ndarray, "p 3"]:
         """Return the scaled normals of a structure."""
@@ -81,7 +86,11 @@ def settled_by_light(
         stack, values=stack.values[some], seen=stack.seen[some], usable=stack.usable[some]
     )
     fit = refine(few, b, knowledge, rng=rng, pixels=PIXELS)
-    if isinstance(fit.model, HarmonicLight):
+    if fit.contradicted and len(few.values) < len(stack.values):
+        # Highlights, perhaps, which more images tell from light.
+        few = stack
+        fit = refine(few, b, knowledge, rng=rng, pixels=PIXELS)
+    if isinstance(fit.model, HarmonicLight) or fit.contradicted:
         return None
     images = scaled_normal_images(b, 2)
     light = np.linalg.lstsq(images.T, few.values.T, rcond=None)[0].T
@@ -90,8 +99,11 @@ def settled_by_light(
     if robust_scale(by_harmonics[few.seen]) <= robust_scale(by_points[few.seen]):
         return None
     length = np.linalg.norm(fit.b, axis=1)
-    bright = length > 0
+    bright = (length > 0) & (structure != 0).any(axis=0)
     normals = fit.b[bright] / length[bright, None]
     relative = structure[:, bright] / length[bright]
     albedo = np.linalg.lstsq(relative.T, np.ones(len(normals)), rcond=None)[0]
-    return Settled(nearest_linear_map(structure[:, bright].T, normals), albedo, fit)
+    directions = nearest_linear_map(structure[:, bright].T, normals)
+    bent = np.zeros(len(length))
+    bent[bright] = angular_errors(directions_of(structure[:, bright].T @ directions.T), normals)
+    return Settled(directions, albedo, fit, bent)

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_erosion
 
-from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
+from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over, spread_to_nearest
 from harmface.stereo.confidence import ambiguity_error, noise_error
 from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
 from harmface.stereo.exact_second_order import EXACT, exact_second_order
@@ -37,10 +37,6 @@ Progress = Callable[[float], None]
 OUTLINE_PRICE = 3.0
 """Most that a pixel on an outline may cost the cues if the outline is to be believed: about 1 on
 true outlines, 4 and more on the borders of reliefs."""
-
-WORSE = 0.05
-"""Rise of the cues' cost, for each pixel, beyond which a refinement is not believed: sound ones
-change it by -0.12 to 0.01, one led astray by highlights raised it by 0.25."""
 
 WEAK = 1e-3
 """Share of the first singular value below which a ninth dimension is of no use."""
@@ -110,16 +106,13 @@ def recover(
     converged = None
     fit = refined(coarse, b, known, rng=rng) if refine else None
     progress(0.7)
-    if fit is not None and not is_single(fit.model):
-        turned = mapped(fit.transformation, fit.structure)
-        rise = cue_cost(turned, coarse.mask, known) - cue_cost(b, coarse.mask, known)
-        if rise > WORSE * len(b):
-            fit = None
-            warnings.append(
-                "refinement was set aside: its surface contradicts integrability, outline or "
-                "albedo more than the unrefined one; highlights or other light than points and a "
-                "uniform part may be the reason"
-            )
+    if fit is not None and fit.contradicted:
+        fit = None
+        warnings.append(
+            "refinement was set aside: its surface contradicts integrability, outline or albedo "
+            "more than the unrefined one; highlights or other light than points and a uniform "
+            "part may be the reason"
+        )
     if fit is not None:
         model, light, converged = fit.model, fit.light, fit.converged
         rows, weights, cues = fit.transformation, fit.weights, fit.cues
@@ -147,7 +140,11 @@ def recover(
     if b[:, 2].sum() < 0:
         rows, b = -rows, -b
     noise = noise_error(stack.values, model, light, raw, weights)
-    expected = np.minimum(np.hypot(noise, ambiguity_error(cues, rows, extended)), 90.0)
+    expected = np.hypot(noise, ambiguity_error(cues, rows, extended))
+    if settled is not None:
+        bent = spread_to_nearest(settled.truncation_error, coarse.mask, stack.mask, factor)
+        expected = np.hypot(expected, bent)
+    expected = np.minimum(expected, 90.0)
     if smoothness is not None and fit is not None:
         b = _of_one_surface(stack, model, light, rows, b, weights, smoothness)
     b, convexity = _convex(b, stack.mask, known)
@@ -161,12 +158,6 @@ def recover(
         converged=converged,
         warnings=tuple(warnings),
     )
-
-
-def cue_cost(b: Float[np.ndarray, "c 3"], mask: Bool[np.ndarray, "H W"], known: Knowledge) -> float:
-    """Return how much scaled normals, as they are, contradict what is known of surfaces."""
-    scaled = b / np.linalg.norm(b, axis=1).max()
-    return Cues(np.ascontiguousarray(scaled.T), mask, known).cost(np.eye(3))
 
 
 def _first_order(

@@ -91,7 +91,8 @@ def test_what_was_measured_where_pixels_differ_says_less(hills, rng):
     near = np.abs(np.argwhere(hills.mask)[:, None] - places[0]).max(axis=2)[:, 0] <= 2
     rough[near] += 0.3 * rng.standard_normal((near.sum(), 3))
     smooth, creased = (
-        Cues(b.T, hills.mask, known).residuals(np.eye(3)[None])[0][0, -9:] for b in (hills.b, rough)
+        Cues(b.T, hills.mask, known).evidence(np.eye(3)[None]).residual[0, -9:]
+        for b in (hills.b, rough)
     )
     assert np.abs(creased[:3]).max() < 0.5 * np.abs(smooth[:3]).max()
     assert np.allclose(creased[3:], smooth[3:], rtol=0.3, atol=0.3)

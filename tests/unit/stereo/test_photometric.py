@@ -3,6 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import spearmanr
 
 from harmface.conventions import linear_to_srgb
 from harmface.errors import ArgumentError
@@ -12,12 +13,12 @@ from harmface.stereo import (
     factorization,
     image_stack,
     photometric_stereo,
-    refine,
+    refinement,
     without_convexity,
     without_linear_map,
     without_lorentz,
 )
-from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over
+from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over, spread_to_nearest
 from tests.unit.stereo.conftest import bumpy_ball, relief
 
 
@@ -108,6 +109,36 @@ def test_observations_that_bent_a_plain_fit_count_in_its_expected_error(ball, si
         # A standard deviation, of errors that differ from pixel to pixel.
         assert expected[robust] == pytest.approx(error(result, ball), rel=0.3)
     assert expected[True] < 0.2 * expected[False]
+
+
+def under_highlights(scene, lights, rng, strength):
+    halves = lights + np.array([0, 0, 1])
+    halves /= np.linalg.norm(halves, axis=1, keepdims=True)
+    images = scene.images(lights, np.eye(len(lights)))
+    images += strength * np.maximum(halves @ scene.normals.T, 0) ** 15 * (images > 0)
+    return scene.pictures(np.abs(images + 0.003 * rng.standard_normal(images.shape)))
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_expected_error_tells_which_normals_are_wrong(ball, single_lights, rng, known):
+    images = under_highlights(ball, single_lights, rng, 0.2)
+    light = {"light": single_lights, "robust": True} if known else {"outline": True}
+    result = photometric_stereo(images, ball.mask, **light)
+    errors = angular_errors(result.normals[ball.mask], ball.normals)
+    expected = result.expected_error[ball.mask]
+    assert spearmanr(expected, errors).statistic > 0.5
+    assert 0.5 < expected.mean() / errors.mean() < 2
+
+
+@pytest.mark.parametrize("refine", [True, False])
+def test_highlights_do_not_pass_for_other_light(ball, hills, single_lights, rng, refine):
+    """On the ball few pixels gain by it, and the relief's surface would be an unlikely one."""
+    for scene, strength in ((ball, 0.3), (hills, 0.1)):
+        images = under_highlights(scene, single_lights, rng, strength)
+        result = photometric_stereo(images, scene.mask, refine=refine)
+        assert result.report.light_model == "one point"
+        normals = without_convexity(result.normals[scene.mask], scene.normals)
+        assert angular_errors(normals, scene.normals).mean() < 3
 
 
 def test_known_light_takes_little_more_memory_than_the_stack(rng, monkeypatch):
@@ -240,6 +271,12 @@ def test_blocks_are_means_and_spread_back(rng):
     rows = rng.standard_normal((2, 5))
     spread = spread_over((rows @ coarse.values).T, coarse.values, stack.values)
     assert np.allclose(spread, (rows @ stack.values).T)
+    numbers = stack.picture(spread_to_nearest(np.arange(11.0), coarse.mask, mask, 3), -1)
+    assert (numbers[:3, :6] == np.repeat([0, 1], 3)).all()
+    # Neither the last row and columns nor the pixels about the hole have a whole block.
+    assert numbers[12, 0] == numbers[11, 0] == 8
+    assert numbers[0, 10] == numbers[0, 8] == 2
+    assert numbers[3, 3] in (1, 3, 4, 6)
 
 
 @pytest.mark.parametrize("known", ["directions", "coefficients", "nothing"])
@@ -265,16 +302,17 @@ def test_normals_of_one_surface_have_less_noise(ball, single_lights, rng, known)
 
 
 def test_a_refinement_led_astray_is_set_aside(ball, several_sources, monkeypatch):
-    from harmface.stereo import unknown_light
+    settle = refinement._mapped
 
-    def astray(stack, b, known, *, rng):
-        found = refine(stack, b, known, rng=rng)
+    def astray(*args):
+        found = settle(*args)
         # A shear of all normals: the images stay explained, the surface does not exist.
         shear = np.eye(3)
         shear[0, 1] = 1.5
-        return replace(found, transformation=shear @ found.transformation)
+        return replace(found, transformation=shear @ found.transformation, b=found.b @ shear.T)
 
-    monkeypatch.setattr(unknown_light, "refined", astray)
+    monkeypatch.setattr(refinement, "_mapped", astray)
+    monkeypatch.setattr(refinement, "CLEAR", np.inf)
     result = photometric_stereo(ball.pictures(several_sources), ball.mask)
     assert result.report.method == "second order"
     assert result.report.light_model is None
