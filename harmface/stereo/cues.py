@@ -37,11 +37,9 @@ FLOOR = 0.02
 GRAIN_SAY = 0.1
 """Weight of the albedo's derivatives: neighbouring cells share the grain of a texture."""
 
-KNOWN_SAY = 1000.0
-"""Weight of all measured normals together: what was measured comes before what is likely."""
-
-SPREAD = 2
-"""Pixels over which structure is averaged about a place of known normal."""
+KNOWN_SAY = 100.0
+"""Weight of all measured normals together: what was measured comes before what is likely, but the
+structure at a few pixels is not exact either."""
 
 LORENTZ = 0.1
 """Departure of first-order rows from a Lorentz transformation that light of degree 2 may cause."""
@@ -122,22 +120,18 @@ def outline_of(mask: Bool[np.ndarray, "H W"]) -> Outline:
 
 @dataclass(frozen=True, eq=False)
 class KnownNormals:
-    """Places whose normals were measured.
+    """Normals that were measured.
 
     Parameters
     ----------
-    places
-        Row and column, in pixels of the mask; whole numbers are middles of pixels.
+    columns
+        Of a stack or structure, where they were measured.
     normals
         Unit normals.
     """
 
-    places: Float[np.ndarray, "k 2"]
+    columns: Int[np.ndarray, "k"]
     normals: Float[np.ndarray, "k 3"]
-
-    def on_blocks(self, factor: int) -> "KnownNormals":
-        """Return the same places in pixels that are blocks of this side."""
-        return KnownNormals((self.places + 0.5) / factor - 0.5, self.normals)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +182,7 @@ class Cues:
     Parameters
     ----------
     structure
-        v, d numbers a pixel.
+        v, d numbers a pixel; beyond the pixels of the mask, of where normals are known.
     mask
         The pixels.
     knowledge
@@ -236,10 +230,10 @@ class Cues:
             self._outline = (v[outline.pixels], outline.outward, region[outline.pixels])
         self._known = None
         if known is not None:
-            self._known = (*_at_places(v, mask, known.places), known.normals)
+            self._known = (v[known.columns], known.normals)
         self._explained = None
         if explain:
-            some = np.linspace(0, len(v) - 1, min(len(v), MOST_EXPLAINED)).astype(int)
+            some = np.linspace(0, len(region) - 1, min(len(region), MOST_EXPLAINED)).astype(int)
             self._explained = (v[some], region[some])
         self._pairs = None
         if mirrored is not None:
@@ -291,8 +285,8 @@ class Cues:
             short = np.maximum(RIM_SLANT - (n[..., :2] * outward).sum(axis=-1), 0)
             parts += [(along / RIM_TURN, 1.0, region), (short / FLOOR, 1.0, region)]
         if self._known is not None:
-            v, unsure, normals = self._known
-            missed = (directions_of(v @ turned) - normals) / (FLOOR + unsure[:, None])
+            v, normals = self._known
+            missed = (directions_of(v @ turned) - normals) / FLOOR
             parts.append((missed.reshape(len(rows), -1), KNOWN_SAY / len(normals), ALONE))
         if self._pairs is not None:
             # Unit vectors, since albedo need not be symmetric; each component against its own
@@ -322,28 +316,6 @@ class Cues:
             np.concatenate([np.full(part.shape[1], say) for part, say, _ in parts]),
             np.concatenate([np.broadcast_to(region, part.shape[1]) for part, _, region in parts]),
         )
-
-
-def _at_places(
-    v: Float[np.ndarray, "p d"], mask: Bool[np.ndarray, "H W"], places: Float[np.ndarray, "k 2"]
-) -> tuple[Float[np.ndarray, "k d"], Float[np.ndarray, "k"]]:
-    """Return v at places between the pixels, and how unsure it is, as errors of a unit normal.
-
-    Weights fall linearly to zero over `SPREAD` pixels, so what varies linearly keeps its value, and
-    noise is a third of what it is at one. Where some of those pixels are outside, the nearest
-    inside stand for them. What v varies by among them, relative to what it does over the
-    object, tells noise and creases.
-    """
-    apart = np.stack(np.nonzero(mask), axis=1) - places[:, None]
-    shares = np.maximum(SPREAD - np.abs(apart), 0).prod(axis=2)
-    nearest = np.eye(len(v))[(apart**2).sum(axis=2).argmin(axis=1)]
-    # Over a whole window they add up to SPREAD^4, whatever the place.
-    missing = np.maximum(1 - shares.sum(axis=1, keepdims=True) / SPREAD**4, 0)
-    shares = shares / SPREAD**4 + missing * nearest
-    mean = shares @ v
-    varied = shares @ (v**2).sum(axis=1) - (mean**2).sum(axis=1)
-    usual = np.sqrt(v.var(axis=0).sum()) / (USUAL_SPREAD * np.sqrt(3)) + TINY
-    return mean, np.sqrt(np.maximum(varied, 0)) / usual
 
 
 def _regions(mask: Bool[np.ndarray, "H W"]) -> Int[np.ndarray, "p"]:

@@ -56,7 +56,10 @@ def exact_second_order(
     """
     some = np.linspace(0, structure.shape[1] - 1, min(PIXELS, structure.shape[1])).astype(int)
     values = structure[:, some]
-    blown = inflated_normals(mask) * np.linalg.norm(blocks, axis=0)[:, None]
+    inflated = inflated_normals(mask)
+    inside = blocks[:, : len(inflated)]
+    inflated = inflated * np.linalg.norm(inside, axis=0)[:, None]
+    blown = blocks.T @ np.linalg.lstsq(inside.T, inflated, rcond=None)[0]
     for b in (*starts, blown):
         rows, *_ = np.linalg.lstsq(blocks.T, b, rcond=None)
         fit = _fit(values, values.T @ rows)

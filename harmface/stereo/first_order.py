@@ -84,7 +84,8 @@ def first_order(
     direct = shown / shown[0]
     rows = integrable_rows(direct, cells_of(mask))
     resolved = isometric_rows(rows, -METRIC)
-    blown = np.linalg.lstsq(direct.T, inflated_normals(mask), rcond=None)[0].T
+    inflated = inflated_normals(mask)
+    blown = np.linalg.lstsq(direct.T[: len(inflated)], inflated, rcond=None)[0].T
     starts = [] if resolved is None else [resolved, -resolved]
     lorentz = best_lorentz(cues, starts, rng)
     if cone.residual <= EXACT:

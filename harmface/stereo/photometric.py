@@ -44,6 +44,9 @@ ENCODED = (
 MANY = 0.01
 """Share of observations or pixels of which too little is known that is worth a word."""
 
+MOST_KNOWN = 300
+"""Known normals that are looked at: they decide a dozen numbers."""
+
 UNKNOWNS = 3
 """Components of a scaled normal."""
 
@@ -87,7 +90,8 @@ def photometric_stereo(
         Whether the rim of the mask is an occluding outline, where normals lie in the image
         plane; found out from the images if not given.
     normals_known
-        Normals measured at a few pixels, zero vectors elsewhere.
+        Normals measured at a few pixels, zero vectors elsewhere. Of more than 300, so many are
+        used, spread over all.
     symmetric
         Whether the object is symmetric about the vertical line through the middle of its mask.
     robust
@@ -285,5 +289,6 @@ def _known_normals(
         raise ArgumentError(
             f"normals_known must hold at least 2 normals within the mask, got {len(pixels)}"
         )
-    places = np.argwhere(mask)[pixels].astype(np.float64)
-    return KnownNormals(places, checks.unit_vectors("normals_known", inside[pixels]))
+    normals = checks.unit_vectors("normals_known", inside[pixels])
+    some = np.linspace(0, len(pixels) - 1, min(len(pixels), MOST_KNOWN)).astype(int)
+    return KnownNormals(pixels[some], normals[some])

@@ -24,6 +24,7 @@ from harmface.stereo.integrable_fit import of_one_surface
 from harmface.stereo.light_models import HarmonicLight, LightModel, Mapped, PointLights, is_single
 from harmface.stereo.lorentz import NullCone, fit_null_cone
 from harmface.stereo.map_by_light import settled_by_light
+from harmface.stereo.measured import beside
 from harmface.stereo.per_pixel import fit_robustly
 from harmface.stereo.refinement import mapped, structure_of
 from harmface.stereo.refinement import refine as refined
@@ -73,7 +74,10 @@ def recover(
     """
     factor = coarse_factor(stack.mask)
     coarse = coarse_stack(stack, factor)
-    measured = None if normals is None else normals.on_blocks(factor)
+    blocks = coarse.values.shape[1]
+    measured = None
+    if normals is not None:
+        coarse, measured = beside(coarse, stack, normals)
     known = Knowledge(None, measured, mirror_index(coarse.mask) if symmetric else None)
     found = factorize(coarse.values, (4, 9)[order - 1])
     structure = found.light.T @ stack.values
@@ -117,7 +121,9 @@ def recover(
         model, light, converged = fit.model, fit.light, fit.converged
         rows, weights, cues = fit.transformation, fit.weights, fit.cues
         raw = fit.structure[-3:].T
-        if factor > 1:
+        if factor == 1:
+            raw, weights = raw[:blocks], weights[:, :blocks]
+        else:
             raw = spread_over(raw, found.structure, structure)
             raw, weights = _refitted(
                 stack, model, light, raw, lambda done: progress(0.7 + 0.2 * done)
@@ -142,7 +148,7 @@ def recover(
     noise = noise_error(stack.values, model, light, raw, weights)
     expected = np.hypot(noise, ambiguity_error(cues, rows, extended))
     if settled is not None:
-        bent = spread_to_nearest(settled.truncation_error, coarse.mask, stack.mask, factor)
+        bent = spread_to_nearest(settled.truncation_error[:blocks], coarse.mask, stack.mask, factor)
         expected = np.hypot(expected, bent)
     expected = np.minimum(expected, 90.0)
     if smoothness is not None and fit is not None:

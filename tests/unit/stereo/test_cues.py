@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harmface.stereo import angular_errors, cues, without_convexity
+from harmface.stereo import angular_errors, without_convexity
 from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
 from harmface.stereo.gauge import best_linear, improved, shifted
 from harmface.stereo.homogeneous import scaled_normal_images
@@ -54,48 +54,9 @@ def test_the_border_of_the_picture_is_no_outline():
 def test_known_normals_undo_a_bas_relief(hills):
     bent = relief_matrix(0.3, -0.2, 0.6) @ hills.b.T
     pixels = np.array([105, 700, 1310, 421])
-    known = KnownNormals(np.argwhere(hills.mask)[pixels].astype(float), hills.normals[pixels])
+    known = KnownNormals(pixels, hills.normals[pixels])
     rows = best_linear(Cues(bent, hills.mask, Knowledge(normals=known)), [np.eye(3)])
     assert angular_errors(unit((rows @ bent).T), hills.normals).mean() < 2
-
-
-def test_places_between_pixels_have_the_structure_between(rng):
-    mask = np.zeros((12, 14), bool)
-    mask[1:11, 2:13] = True
-    rows, columns = np.nonzero(mask)
-    field = np.stack([rows + 2.0 * columns, 3.0 - rows, np.ones(len(rows))], axis=1)
-    places = np.array([[5.3, 6.8], [4.0, 7.0], [1.0, 2.0]])
-    mean, unsure = cues._at_places(field, mask, places)
-    assert np.allclose(mean[:2, 0], places[:2] @ [1, 2])
-    assert np.allclose(mean[:2, 1], 3 - places[:2, 0])
-    # In a corner the nearest pixel stands for those outside.
-    assert np.linalg.norm(mean[2] - field[0]) < 3
-    assert (unsure[:2] > 0).all()
-    noisy = field + rng.standard_normal(field.shape)
-    assert (cues._at_places(noisy, mask, places)[1] > unsure).all()
-    assert (cues._at_places(np.ones((len(rows), 3)), mask, places)[1] == 0).all()
-
-
-def test_known_places_are_found_on_blocks():
-    known = KnownNormals(np.array([[0.0, 1.0], [7.0, 10.0]]), np.eye(3)[:2])
-    # The middle of a block of 3 is its second pixel.
-    assert np.allclose(known.on_blocks(3).places, [[-1 / 3, 0], [2, 3]])
-
-
-def test_what_was_measured_where_pixels_differ_says_less(hills, rng):
-    """A normal measured on a crease must not outweigh two on smooth ground."""
-    pixels = np.array([105, 700, 1310])
-    places = np.argwhere(hills.mask)[pixels].astype(float)
-    known = Knowledge(normals=KnownNormals(places, unit(hills.normals[pixels] + [0.3, 0, 0])))
-    rough = hills.b.copy()
-    near = np.abs(np.argwhere(hills.mask)[:, None] - places[0]).max(axis=2)[:, 0] <= 2
-    rough[near] += 0.3 * rng.standard_normal((near.sum(), 3))
-    smooth, creased = (
-        Cues(b.T, hills.mask, known).evidence(np.eye(3)[None]).residual[0, -9:]
-        for b in (hills.b, rough)
-    )
-    assert np.abs(creased[:3]).max() < 0.5 * np.abs(smooth[:3]).max()
-    assert np.allclose(creased[3:], smooth[3:], rtol=0.3, atol=0.3)
 
 
 def test_equal_lights_undo_a_bas_relief(hills, single_lights):
