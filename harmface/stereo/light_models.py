@@ -211,10 +211,13 @@ def is_single(model: LightModel) -> bool:
 
 
 def uniform_share(model: LightModel, light: Float[np.ndarray, "F q"]) -> float:
-    """Return the share of uniform light in the mean irradiance of points and uniform light."""
+    """Return the share of uniform light in the mean irradiance of points and uniform light.
+
+    The median over the images: in a few of them points may be taken for it.
+    """
     if not (isinstance(model, PointLights) and model.ambient):
         return 0.0
     # A point gives a quarter of its irradiance on average over all normals.
     points = np.linalg.norm(model.points(light), axis=2).sum(axis=1) / 4
     uniform = np.maximum(light[:, -1], 0)
-    return float(uniform.sum() / max((points + uniform).sum(), np.finfo(np.float64).tiny))
+    return float(np.median(uniform / np.maximum(points + uniform, np.finfo(np.float64).tiny)))

@@ -86,11 +86,7 @@ def settled_by_light(
         stack, values=stack.values[some], seen=stack.seen[some], usable=stack.usable[some]
     )
     fit = refine(few, b, knowledge, rng=rng, pixels=PIXELS)
-    if fit.contradicted and len(few.values) < len(stack.values):
-        # Highlights, perhaps, which more images tell from light.
-        few = stack
-        fit = refine(few, b, knowledge, rng=rng, pixels=PIXELS)
-    if isinstance(fit.model, HarmonicLight) or fit.contradicted:
+    if isinstance(fit.model, HarmonicLight):
         return None
     images = scaled_normal_images(b, 2)
     light = np.linalg.lstsq(images.T, few.values.T, rcond=None)[0].T

@@ -13,10 +13,10 @@ and outline, albedo and the equality of single sources decide within it. Uniform
 mapped to uniform light, and so helps to decide.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from harmface import checks
 from harmface.stereo.cues import ALL_CELLS, MOST_CELLS, NOTHING, Cues, Knowledge
@@ -25,7 +25,13 @@ from harmface.stereo.gauge import best_linear, best_of, best_rotation, boosted, 
 from harmface.stereo.hayakawa import equal_strength_metric
 from harmface.stereo.homogeneous import directions_of
 from harmface.stereo.integrability import integrable_start
-from harmface.stereo.light_models import HarmonicLight, LightModel, has_one_point, uniform_share
+from harmface.stereo.light_models import (
+    HarmonicLight,
+    LightModel,
+    PointLights,
+    has_one_point,
+    uniform_share,
+)
 from harmface.stereo.lorentz import nearest_lorentz
 from harmface.stereo.many_sources import many_sources, misfit, under_dense_light
 from harmface.stereo.per_pixel import fit_robustly
@@ -42,20 +48,15 @@ light from elsewhere leaves 0.02 and more on reliefs and 0.1 on round objects.""
 
 GAIN = 1.0
 """Twice the log-likelihood of an observation that many sources must gain over single ones. Cast
-shadows and highlights pass for other sources to the extent of 0.7, uniform light of 3 % to
-that of 0.2 to 1, and other sources themselves gain 2 and more."""
+shadows pass for other sources to the extent of 0.7, uniform light of 3 % to that of 0.2 to 1, and
+other sources themselves gain 1.4 and more."""
 
-CLEAR = 2.5
-"""The same from which on many sources are not doubted: highlights on reliefs, which are wide there,
-gain up to 2."""
+DARK_ROOM = 0.1
+"""Share of uniform light below which there is none: gloss makes up points, but no uniform light."""
 
-WORSE = 0.05
-"""Rise of the cues' cost, for each pixel, beyond which doubtful sources are not believed: sound
-ones change it by -0.12 to 0.01, ones that explain highlights raised it by 0.14 to 0.25."""
-
-TOO_MUCH = 0.15
-"""The same for single sources in their place: they raised it by up to 0.09, as pixels fitted one
-by one are noisier than the dimensions of the start."""
+GAIN_IN_THE_DARK = 3.0
+"""The same where there is no uniform light: gloss gains 0.5 to 2.5, as broad highlights look like
+other points, and true points gain 3.5 and more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +84,6 @@ class Refined:
         Whether it settled.
     cues
         What the transformation was chosen by.
-    contradicted
-        Whether its surface breaks integrability, outline or albedo more than that it began with,
-        and so does that of single sources.
     """
 
     model: LightModel
@@ -98,20 +96,6 @@ class Refined:
     energies: Float[np.ndarray, "n"]
     converged: bool
     cues: Cues
-    contradicted: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class _Explanation:
-    """Light and scaled normals that explain images, before the cues; fields as in `Refined`."""
-
-    model: LightModel
-    light: Float[np.ndarray, "F q"]
-    b: Float[np.ndarray, "p 3"]
-    weights: Float[np.ndarray, "F p"]
-    residual: float
-    energies: Float[np.ndarray, "n"]
-    converged: bool
 
 
 def refine(
@@ -125,9 +109,7 @@ def refine(
     """Return light and normals that explain the images, from a first estimate.
 
     One point an image is found by `single_sources`. Other light is found with the normals
-    of a few hundred pixels by `many_sources`; then each pixel is fitted by itself. Highlights on a
-    relief can pass for other light, but the surface it takes is then unlikely: single sources
-    are asked again.
+    of a few hundred pixels by `many_sources`; then each pixel is fitted by itself.
 
     Parameters
     ----------
@@ -145,29 +127,7 @@ def refine(
     unit = float(stack.values.mean())
     start = start / np.linalg.norm(start, axis=1).mean()
     rng = checks.generator(rng)
-    explanations = _explanations(stack, stack.values / unit, start, pixels, rng)
-    fit = _mapped(stack, explanations[0], unit, start, knowledge, rng)
-    if len(explanations) == 1:
-        return fit
-    before = cue_cost(start, stack.mask, knowledge)
-    rise = cue_cost(fit.b, stack.mask, knowledge) - before
-    if rise <= WORSE * len(start):
-        return fit
-    by_single = _mapped(stack, explanations[1], unit, start, knowledge, rng)
-    if cue_cost(by_single.b, stack.mask, knowledge) - before < min(rise, TOO_MUCH * len(start)):
-        return by_single
-    return replace(fit, contradicted=True)
-
-
-def _mapped(
-    stack: ImageStack,
-    found: _Explanation,
-    unit: float,
-    start: Float[np.ndarray, "p 3"],
-    knowledge: Knowledge,
-    rng: np.random.Generator,
-) -> Refined:
-    """Return an explanation of images over `unit`, with the map that the cues choose."""
+    found = _explained(stack, stack.values / unit, start, pixels, rng)
     structure = structure_of(found.model, found.b)
     lights = found.model.points(found.light)[:, 0] if has_one_point(found.model) else None
 
@@ -209,12 +169,6 @@ def _mapped(
     )
 
 
-def cue_cost(b: Float[np.ndarray, "c 3"], mask: Bool[np.ndarray, "H W"], known: Knowledge) -> float:
-    """Return how much scaled normals, as they are, contradict what is known of surfaces."""
-    scaled = b / np.linalg.norm(b, axis=1).max()
-    return Cues(np.ascontiguousarray(scaled.T), mask, known).cost(np.eye(3))
-
-
 def structure_of(model: LightModel, b: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "d p"]:
     """Return the numbers that what the model leaves open maps linearly.
 
@@ -240,17 +194,27 @@ def mapped(
     return b
 
 
-def _explanations(
+@dataclass(frozen=True, eq=False)
+class _Explanation:
+    """Light and scaled normals that explain images, before the cues; fields as in `Refined`."""
+
+    model: LightModel
+    light: Float[np.ndarray, "F q"]
+    b: Float[np.ndarray, "p 3"]
+    weights: Float[np.ndarray, "F p"]
+    residual: float
+    energies: Float[np.ndarray, "n"]
+    converged: bool
+
+
+def _explained(
     stack: ImageStack,
     values: Float[np.ndarray, "F p"],
     start: Float[np.ndarray, "p 3"],
     pixels: int,
     rng: np.random.Generator,
-) -> tuple[_Explanation, ...]:
-    """Return single sources, many if they explain the images better, or in doubt many and single.
-
-    The first is the one that explains them better.
-    """
+) -> _Explanation:
+    """Return single sources if they explain the images about as well as many do, or many."""
     usable, seen = stack.usable, stack.seen
     lit = np.flatnonzero(values.max(axis=0) > 0)
     some = rng.permutation(lit)[:pixels]
@@ -267,30 +231,30 @@ def _explanations(
         single.converged,
     )
     if scale < EXPLAINED:
-        return (by_single,)
+        return by_single
+    misfit_by_single = misfit(left[single.lit], single.light.size + single.b.size)
+    left, lit = left[:, some], single.lit[:, some]
     starts = [start, leading_dimensions(values)]
     dense = [under_dense_light(values[:, some], seen[:, some], b[some]) for b in starts]
     best = int(np.argmin([robust_scale(rest[seen[:, some]]) for _, rest in dense]))
     under_dense, least = dense[best]
-    lit = single.lit[:, some]
     # Most that another model could gain, as if it had no unknowns.
-    if misfit(left[:, some][lit]) - misfit(least[lit]) < GAIN:
-        return (by_single,)
+    if misfit(left[lit]) - misfit(least[lit]) < GAIN:
+        return by_single
     fit = many_sources(values[:, some], seen[:, some], start[some], under_dense, least)
     # The fit may have drifted along a linear map, which the pixels not fitted yet must follow.
     b = start if isinstance(fit.model, HarmonicLight) else starts[best]
     drift, *_ = np.linalg.lstsq(b[some], fit.b, rcond=None)
     b, weights = fit_robustly(values, seen, fit.model, fit.light, b @ drift)
-    left_by_many = values - fit.model.predict(fit.light, b)
+    left = values - fit.model.predict(fit.light, b)
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
-    gained = misfit(left[single.lit], single.light.size + single.b.size) - misfit(
-        left_by_many[single.lit], int(np.count_nonzero(fit.light)) + b.size
-    )
-    if gained < GAIN:
-        return (by_single,)
-    scale = robust_scale(left_by_many[seen])
-    by_many = _Explanation(fit.model, fit.light, b, weights, scale, fit.energies, fit.converged)
-    return (by_many,) if gained > CLEAR else (by_many, by_single)
+    unknowns = int(np.count_nonzero(fit.light)) + b.size
+    gained = misfit_by_single - misfit(left[single.lit], unknowns)
+    dark = isinstance(fit.model, PointLights) and uniform_share(fit.model, fit.light) < DARK_ROOM
+    if gained < (GAIN_IN_THE_DARK if dark else GAIN):
+        return by_single
+    scale = robust_scale(left[seen])
+    return _Explanation(fit.model, fit.light, b, weights, scale, fit.energies, fit.converged)
 
 
 def leading_dimensions(values: Float[np.ndarray, "F p"]) -> Float[np.ndarray, "p 3"]:
