@@ -3,8 +3,14 @@
 Two things make a normal wrong. Noise, and light that the model does not know, move each pixel by
 itself: the residuals of the pixel and the curvature of its own fit tell how far. And the linear
 map that the cues chose is sure in some directions and vague in others; an error in it moves all
-normals together, those across it most. The curvature of the cues at their optimum tells how
-vague, and the covariance is carried to each normal.
+normals together, those across it most. At their optimum the cues of different regions of the
+picture pull in different directions, and how far that may move the map tells how vague it is;
+its covariance is carried to each normal.
+
+References
+----------
+.. [H67] Huber, The Behavior of Maximum Likelihood Estimates under Nonstandard Conditions, Fifth
+   Berkeley Symposium on Mathematical Statistics and Probability, 1967.
 """
 
 import numpy as np

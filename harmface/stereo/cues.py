@@ -314,7 +314,7 @@ class Cues:
         return Evidence(
             np.concatenate([part for part, _, _ in parts], axis=1),
             np.concatenate([np.full(part.shape[1], say) for part, say, _ in parts]),
-            np.concatenate([np.broadcast_to(region, part.shape[1]) for part, _, region in parts]),
+            np.concatenate([np.broadcast_to(place, part.shape[1]) for part, _, place in parts]),
         )
 
 
