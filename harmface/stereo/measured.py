@@ -55,9 +55,8 @@ def _smoothed(stack: ImageStack, columns: Int[np.ndarray, "k"]) -> Float[np.ndar
     most = 1 + DEVIATIONS * np.sqrt(2 / len(here))
     found, even = here.copy(), np.ones(len(columns), dtype=bool)
     for reach in REACHES:
-        shares = (
-            np.outer(*2 * [1 + reach - np.abs(np.arange(-reach, reach + 1))]) / (1 + reach) ** 4
-        )
+        tent = (1 + reach - np.abs(np.arange(-reach, reach + 1))) / (1 + reach) ** 2
+        shares = np.outer(tent, tent)
         mean, whole = _mean(stack, columns, shares)
         # The pixel is in the mean, too.
         expected = noise * (1 - 2 * shares.max() + (shares**2).sum())

@@ -4,7 +4,8 @@ The harmonic methods work with a truncated series, in which light may be negativ
 light of each image is one point, as in most photometric stereo: what is in shadow is left out
 and the rest is of rank 3. Or it is a few points and uniform light, never negative, so attached
 shadows are explained rather than fitted away; or it is of degree 2 with all pixels free, which
-serves smooth surroundings. The simplest that explains the images about as well as any is kept.
+serves smooth surroundings. The simplest that explains the images about as well as any is kept;
+broad gloss looks like more points, so where there is no uniform light these must explain far more.
 
 Any linear map of b can be undone by light that is general enough: `max(b . l, 0)` stays when b
 becomes A b and l becomes A^-T l, for point sources exactly, for a whole environment too. So after
@@ -55,8 +56,8 @@ DARK_ROOM = 0.1
 """Share of uniform light below which there is none: gloss makes up points, but no uniform light."""
 
 GAIN_IN_THE_DARK = 3.0
-"""The same where there is no uniform light: gloss gains 0.5 to 2.5, as broad highlights look like
-other points, and true points gain 3.5 and more."""
+"""The same of several points without uniform light: gloss gains 0.5 to 2.5, as broad highlights
+look like other points, and true points gain 3.5 and more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +251,8 @@ def _explained(
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
     unknowns = int(np.count_nonzero(fit.light)) + b.size
     gained = misfit_by_single - misfit(left[single.lit], unknowns)
-    dark = isinstance(fit.model, PointLights) and uniform_share(fit.model, fit.light) < DARK_ROOM
+    points = isinstance(fit.model, PointLights) and not has_one_point(fit.model)
+    dark = points and uniform_share(fit.model, fit.light) < DARK_ROOM
     if gained < (GAIN_IN_THE_DARK if dark else GAIN):
         return by_single
     scale = robust_scale(left[seen])
