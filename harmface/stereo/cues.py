@@ -57,7 +57,7 @@ UNEQUAL = 0.05
 """Logarithm of the strengths' ratio beyond which sources are just different ones."""
 
 UNEQUAL_SAY = 20.0
-"""Weight of the strength of a source among different ones: like a score of cells."""
+"""Weight of the strength of a source if they are only alike: like a score of cells."""
 
 MOST_EXPLAINED = 500
 """Pixels whose images the harmonics of a candidate must explain."""
@@ -192,8 +192,10 @@ class Cues:
     cells
         Most cells looked at. Together they count like `MOST_CELLS`.
     lights
-        One point source an image, when their strengths are thought nearly equal: light rows in
-        the basis of v, so that the sources are `lights T^-1`.
+        One point source an image: light rows in the basis of v, so that the sources are
+        `lights T^-1`.
+    equal
+        Whether their strengths are thought equal, but for a few, or only alike.
     uniform
         Share of uniform light in the images. It shows `a |b|`, which only rotations keep.
     """
@@ -205,6 +207,7 @@ class Cues:
         knowledge: Knowledge = NOTHING,
         *,
         lights: Float[np.ndarray, "F d"] | None = None,
+        equal: bool = True,
         uniform: float = 0.0,
         explain: bool = False,
         cells: int = MOST_CELLS,
@@ -223,6 +226,7 @@ class Cues:
         self._grain = np.stack([seen.along_x(log)[:, 0], seen.along_y(log)[:, 0]])
         self._coarse = 0.1 * float(np.median(np.abs(self._grain))) + 1e-6
         self._lights = lights
+        self._equal = equal
         self._isometry_say = LORENTZ_SAY * min(1.0, uniform / USUAL_UNIFORM)
         outline, known, mirrored = knowledge.outline, knowledge.normals, knowledge.mirrored
         self._outline = None
@@ -306,11 +310,15 @@ class Cues:
         if self._lights is not None:
             sources = self._lights @ np.linalg.pinv(rows)
             strength = np.log(np.linalg.norm(sources, axis=-1) + TINY)
-            apart = strength - np.median(strength, axis=1, keepdims=True)
-            # Either they are equal, or many different ones are alike at least on average.
-            bounded = apart / np.hypot(1, apart / UNEQUAL)
-            parts.append((bounded / FLOOR, LIGHT_SAY / strength.shape[1], ALONE))
-            parts.append((apart / FLOOR, UNEQUAL_SAY, ALONE))
+            if self._equal:
+                apart = strength - np.median(strength, axis=1, keepdims=True)
+                bounded = apart / np.hypot(1, apart / UNEQUAL)
+                parts.append((bounded / FLOOR, LIGHT_SAY / strength.shape[1], ALONE))
+                parts.append((apart / FLOOR, UNEQUAL_SAY, ALONE))
+            else:
+                # All together: one by one, T could make eight of a dozen alike and gain by it.
+                spread = strength.std(axis=1, keepdims=True)
+                parts.append((spread / FLOOR, UNEQUAL_SAY * strength.shape[1], ALONE))
         return Evidence(
             np.concatenate([part for part, _, _ in parts], axis=1),
             np.concatenate([np.full(part.shape[1], say) for part, say, _ in parts]),

@@ -20,7 +20,7 @@ import numpy as np
 from jaxtyping import Float
 
 from harmface import checks
-from harmface.stereo.cues import ALL_CELLS, MOST_CELLS, NOTHING, Cues, Knowledge
+from harmface.stereo.cues import ALL_CELLS, MOST_CELLS, NOTHING, UNEQUAL, Cues, Knowledge
 from harmface.stereo.factorization import factorize
 from harmface.stereo.gauge import best_linear, best_of, best_rotation, boosted, improved, shifted
 from harmface.stereo.hayakawa import equal_strength_metric
@@ -58,6 +58,13 @@ DARK_ROOM = 0.1
 GAIN_IN_THE_DARK = 3.0
 """The same of several points without uniform light: gloss gains 0.5 to 2.5, as broad highlights
 look like other points, and true points gain 3.5 and more."""
+
+MADE_EQUAL = 8
+"""Strengths that a linear map can make equal, whatever they are: as many as its numbers, but for
+the scale."""
+
+MOSTLY = 0.7
+"""Share of the other sources that are of that strength, too, if lamps are equal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,17 +139,19 @@ def refine(
     structure = structure_of(found.model, found.b)
     lights = found.model.points(found.light)[:, 0] if has_one_point(found.model) else None
 
-    def cues_of(cells: int) -> Cues:
+    def cues_of(cells: int, equal: bool) -> Cues:
         return Cues(
             structure,
             stack.mask,
             knowledge,
             lights=lights,
+            equal=equal,
             uniform=uniform_share(found.model, found.light),
             cells=cells,
         )
 
-    cues = cues_of(MOST_CELLS)
+    equal = True
+    cues = cues_of(MOST_CELLS, equal)
     if isinstance(found.model, HarmonicLight):
         aligned = nearest_lorentz(directions_of(found.b), directions_of(start))
         transformation = best_of(cues, [aligned[1:]], boosted, 6)
@@ -153,7 +162,10 @@ def refine(
         if metric is not None:
             starts.append(best_rotation(cues, np.linalg.inv(np.linalg.cholesky(metric)), rng))
         transformation = best_linear(cues, starts)
-    cues = cues_of(ALL_CELLS)
+        if lights is not None and not nearly_equal(lights @ np.linalg.inv(transformation)):
+            equal = False
+            transformation = best_linear(cues_of(MOST_CELLS, equal), [transformation, *starts])
+    cues = cues_of(ALL_CELLS, equal)
     move, parameters = (boosted, 6) if len(structure) == 4 else (shifted, 9)
     transformation = improved(cues, transformation, move, parameters)
     return Refined(
@@ -168,6 +180,15 @@ def refine(
         found.converged,
         cues,
     )
+
+
+def nearly_equal(sources: Float[np.ndarray, "F 3"]) -> bool:
+    """Return whether sources are of one strength, beyond those that a linear map can make so."""
+    strength = np.linalg.norm(sources, axis=1)
+    alike = int((np.abs(strength / np.median(strength) - 1) < UNEQUAL).sum())
+    # Of eight or fewer none could tell otherwise, and usual lamps are equal.
+    others = max(len(strength) - MADE_EQUAL, 0)
+    return alike - MADE_EQUAL >= MOSTLY * others or not others
 
 
 def structure_of(model: LightModel, b: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "d p"]:

@@ -19,6 +19,7 @@ from harmface.stereo import (
     without_lorentz,
 )
 from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over, spread_to_nearest
+from harmface.stereo.refinement import nearly_equal
 from tests.unit.stereo.conftest import bumpy_ball, relief
 
 
@@ -139,6 +140,29 @@ def test_highlights_do_not_pass_for_other_light(ball, hills, single_lights, rng,
         assert result.report.light_model == "one point"
         normals = without_convexity(result.normals[scene.mask], scene.normals)
         assert angular_errors(normals, scene.normals).mean() < (3 if refined else 5)
+
+
+@pytest.mark.parametrize("refined", [True, False])
+def test_lamps_need_not_be_equal(ball, single_lights, rng, refined):
+    """A linear map makes eight of any lamps equal, which must not pass for evidence."""
+    images = np.maximum(single_lights * rng.uniform(0.7, 1.3, (24, 1)) @ ball.b.T, 0)
+    images = np.abs(images + 0.005 * rng.standard_normal(images.shape))
+    result = photometric_stereo(ball.pictures(images), ball.mask, outline=True, refine=refined)
+    assert error(result, ball) < 7
+    assert result.expected_error[ball.mask].mean() > error(result, ball) / 2
+
+
+def test_lamps_are_equal_if_more_are_than_a_map_can_make_so(rng):
+    directions = rng.standard_normal((20, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+
+    def equal(strengths):
+        return nearly_equal(directions[: len(strengths)] * np.array(strengths)[:, None])
+
+    assert equal([1.0] * 17 + [2.0] * 3)
+    assert not equal([1.0] * 15 + [2.0] * 5)
+    assert not equal([1.0] * 8 + [0.8, 1.2])
+    assert equal([0.5, 1.0, 1.0, 2.0])
 
 
 def test_known_light_takes_little_more_memory_than_the_stack(rng, monkeypatch):
