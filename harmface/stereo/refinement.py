@@ -56,8 +56,8 @@ DARK_ROOM = 0.1
 """Share of uniform light below which there is none: gloss makes up points, but no uniform light."""
 
 GAIN_IN_THE_DARK = 3.0
-"""The same of several points without uniform light: gloss gains 0.5 to 2.5, as broad highlights
-look like other points, and true points gain 3.5 and more."""
+"""The same where there is no uniform light: gloss gains 0.5 to 2.5, as broad highlights look like
+other points, and true points gain 3.5 and more."""
 
 MADE_EQUAL = 8
 """Strengths that a linear map can make equal, whatever they are: as many as its numbers, but for
@@ -272,8 +272,7 @@ def _explained(
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
     unknowns = int(np.count_nonzero(fit.light)) + b.size
     gained = misfit_by_single - misfit(left[single.lit], unknowns)
-    points = isinstance(fit.model, PointLights) and not has_one_point(fit.model)
-    dark = points and uniform_share(fit.model, fit.light) < DARK_ROOM
+    dark = isinstance(fit.model, PointLights) and uniform_share(fit.model, fit.light) < DARK_ROOM
     if gained < (GAIN_IN_THE_DARK if dark else GAIN):
         return by_single
     scale = robust_scale(left[seen])
