@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import distance_transform_edt
 
-from harmface.stereo.stack import ImageStack
+from harmface.stereo.stack import ImageStack, picture
 
 MOST_PIXELS = 6000
 """Pixels that settle a few dozen numbers; more only cost time."""
@@ -66,10 +66,7 @@ def spread_to_nearest(
     factor: int,
 ) -> Float[np.ndarray, "p"]:
     """Return for each pixel of a mask the value of its block, or of the nearest that is whole."""
-    picture = np.zeros(coarse_mask.shape)
-    picture[coarse_mask] = coarse
     row, column = distance_transform_edt(~coarse_mask, return_distances=False, return_indices=True)
     # Beyond the last whole block there may be a strip of pixels.
-    block = np.minimum(np.argwhere(mask) // factor, np.array(coarse_mask.shape) - 1)
-    block = tuple(block.T)
-    return np.asarray(picture[row[block], column[block]])
+    block = tuple(np.minimum(np.argwhere(mask) // factor, np.array(coarse_mask.shape) - 1).T)
+    return np.asarray(picture(coarse, coarse_mask)[row[block], column[block]])

@@ -102,10 +102,10 @@ def ambiguity_error(
     alone = pulls[:, ~placed]
     # The scale of T moves no normal; neither does what the cues cannot see at all beyond reason.
     reason = np.eye(rows.size)
-    curvature = np.linalg.inv(near.curvature + reason)
+    inverse = np.linalg.inv(near.curvature + reason)
     spread = UNTOLD**2 * (together @ together.T + alone @ alone.T) + reason
     size = np.linalg.norm(rows) / 3
-    covariance = (curvature @ spread @ curvature).reshape(*rows.shape, *rows.shape) * size**2
+    covariance = (inverse @ spread @ inverse).reshape(*rows.shape, *rows.shape) * size**2
     b = rows @ structure
     length = np.maximum(np.linalg.norm(b, axis=0), np.finfo(np.float64).tiny)
     moved = np.einsum("iajb,ap,bp->pij", covariance, structure, structure, optimize=True)

@@ -54,10 +54,10 @@ LIGHT_SAY = 1500.0
 """Weight of all light strengths together, against about a thousand cells."""
 
 UNEQUAL = 0.05
-"""Logarithm of the strengths' ratio beyond which sources are just different ones."""
+"""Relative difference of strengths beyond which sources are just different ones."""
 
 UNEQUAL_SAY = 20.0
-"""Weight of the strength of a source if they are only alike: like a score of cells."""
+"""Weight of the strength of each source, equal or only alike: like a score of cells."""
 
 MOST_EXPLAINED = 500
 """Pixels whose images the harmonics of a candidate must explain."""

@@ -70,7 +70,7 @@ def _mean(
 ) -> tuple[Float[np.ndarray, "F k"], Bool[np.ndarray, "k"]]:
     """Return means over windows about pixels, and whether all of a window is in the mask."""
     reach = len(shares) // 2
-    index = np.pad(_index(stack.mask), reach, constant_values=-1)
+    index = np.pad(_index(stack), reach, constant_values=-1)
     rows, places = np.argwhere(stack.mask)[columns].T
     mean, whole = np.zeros((len(stack.values), len(columns))), np.ones(len(columns), dtype=bool)
     for (down, right), share in np.ndenumerate(shares):
@@ -83,7 +83,7 @@ def _mean(
 
 def _noise_variance(stack: ImageStack) -> float:
     """Return the variance of noise, by how pixels differ from the mean of both sides."""
-    index = _index(stack.mask)
+    index = _index(stack)
     triples = np.stack([index[:, :-2], index[:, 1:-1], index[:, 2:]], axis=-1).reshape(-1, 3)
     triples = triples[(triples >= 0).all(axis=1)]
     left, here, right = triples[:: max(1, len(triples) // SAMPLE)].T
@@ -91,7 +91,6 @@ def _noise_variance(stack: ImageStack) -> float:
     return robust_scale(apart) ** 2 / 1.5 if apart.size else 0.0
 
 
-def _index(mask: Bool[np.ndarray, "H W"]) -> Int[np.ndarray, "H W"]:
-    index = np.full(mask.shape, -1)
-    index[mask] = np.arange(mask.sum())
-    return index
+def _index(stack: ImageStack) -> Int[np.ndarray, "H W"]:
+    """Return the column of each pixel, -1 outside the mask."""
+    return stack.picture(np.arange(stack.values.shape[1]), -1)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Num
 
 from harmface import checks
 from harmface.errors import ArgumentError
@@ -38,15 +38,15 @@ class ImageStack:
     usable: Bool[np.ndarray, "F p"]
 
     def picture(
-        self, values: Float[np.ndarray, "p *channels"], background: float = 0.0
-    ) -> Float[np.ndarray, "H W *channels"]:
+        self, values: Num[np.ndarray, "p *channels"], background: float = 0.0
+    ) -> Num[np.ndarray, "H W *channels"]:
         """Return values of the pixels as a picture, the background filled."""
         return picture(values, self.mask, background)
 
 
 def picture(
-    values: Float[np.ndarray, "p *channels"], mask: Bool[np.ndarray, "H W"], background: float = 0.0
-) -> Float[np.ndarray, "H W *channels"]:
+    values: Num[np.ndarray, "p *channels"], mask: Bool[np.ndarray, "H W"], background: float = 0.0
+) -> Num[np.ndarray, "H W *channels"]:
     """Return values of the masked pixels as a picture, the background filled."""
     image = np.full((*mask.shape, *values.shape[1:]), background, dtype=values.dtype)
     image[mask] = values

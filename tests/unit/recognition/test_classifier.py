@@ -47,6 +47,7 @@ def inapplicable(estimator):
 )
 @pytest.mark.usefixtures("unchecked")
 def test_scikit_learn_interface(estimator, check):
+    """Each check asserts for itself."""
     check(estimator)
 
 

@@ -61,6 +61,7 @@ def inapplicable(estimator):
 @parametrize_with_checks([IlluminationConeClassifier()], expected_failed_checks=inapplicable)
 @pytest.mark.usefixtures("unchecked")
 def test_scikit_learn_interface(estimator, check):
+    """Each check asserts for itself."""
     check(estimator)
 
 
