@@ -44,6 +44,11 @@ class FirstOrder:
     b: Float[np.ndarray, "p 3"]
     cost: float
 
+    @property
+    def exact(self) -> bool:
+        """Whether light was of degree 1."""
+        return self.cone.residual <= EXACT
+
 
 def first_order(
     structure: Float[np.ndarray, "4 p"],

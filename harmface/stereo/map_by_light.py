@@ -1,11 +1,11 @@
-"""Which normals the nine dimensions mean, settled by light from points.
+"""Which normals the four or nine dimensions mean, settled by light from points.
 
-Harmonics of degree 2 explain photographs of attached shadows only nearly, and there is little
-that they lose if every normal is changed by the same linear map and albedo by a function of the
-normal: it takes 10 to 30 percent from the rims. The cues read the map off albedo, so it comes
-out wrong by 5 to 10 degrees, while the normals are right to about one but for the map. Points,
-never negative, allow no such exchange, and a few images are enough to find them; the linear
-functions of the nine dimensions that come nearest to the normals found so then serve all images.
+Harmonics explain photographs of attached shadows only nearly, and there is little that they lose
+if every normal is changed by the same linear map and albedo by a function of the normal: it takes
+10 to 30 percent from the rims. The cues read the map off albedo, so it comes out wrong by 5 to 10
+degrees, while but for the map the normals are right to about one in nine dimensions and three in
+four. Points, never negative, allow no such exchange, and a few images are enough to find them; the
+linear functions of the dimensions that come nearest to the normals found so then serve all images.
 """
 
 from dataclasses import dataclass, replace
@@ -43,7 +43,7 @@ class Settled:
         What both were read from.
     truncation_error
         Angle between the normals that the directions give and those of the fit, degrees: what
-        nine dimensions bend.
+        the dimensions left out bend.
     """
 
     directions: Float[np.ndarray, "3 d"]
@@ -66,16 +66,16 @@ def settled_by_light(
 ) -> Settled | None:
     """Return the linear functions of the structure that points choose.
 
-    None if points explain no more than harmonics do, as in images that are of degree 2.
+    None if points explain no more than harmonics of degree 2 do, as under smooth surroundings.
 
     Parameters
     ----------
     stack
         Images, in float64.
     structure
-        Their factor of nine dimensions.
+        Their factor of four or nine dimensions.
     b
-        Scaled normals of the second order.
+        Scaled normals of the first or second order.
     knowledge
         What else is known.
     rng

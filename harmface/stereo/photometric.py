@@ -70,8 +70,8 @@ def photometric_stereo(
     """Return normals, albedo and light from photographs of a still, diffuse object.
 
     With unknown light ([BJK07]_, [R05]_ 0.4.2) the first-order method starts, the second-order
-    method improves, light from points in a few images settles what harmonics leave vague, and
-    refinement fits physical light to every image and pixel.
+    method improves, and refinement fits physical light to every image and pixel. Without
+    refinement, light from points in a few images settles what harmonics leave vague.
 
     Parameters
     ----------

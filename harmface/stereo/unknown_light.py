@@ -93,23 +93,23 @@ def recover(
     warnings = []
     if not first.cone.signature_held:
         warnings.append("the quadric of the first-order structure lost its signature")
-    settled = None
+    exact = first.exact
     if order == 2:
         b = second_order(found.structure, coarse.mask, b, known).b
-        exact = None
         if 1 - found.energy[8] < EXACT:
             starts = (b, first.b)
-            exact = exact_second_order(structure, found.structure, coarse.mask, starts, known, rng)
-        if exact is not None:
-            b = exact
+            closed = exact_second_order(structure, found.structure, coarse.mask, starts, known, rng)
+            if closed is not None:
+                b, exact = closed, True
         elif found.singular_values[8] < WEAK * found.singular_values[0]:
             warnings.append(
                 "images have fewer than nine usable dimensions: the light is smooth or changes "
                 "little, so the second order adds little to the first"
             )
         progress(0.3)
-        if exact is None and not refine:
-            settled = settled_by_light(coarse, found.structure, b, known, rng)
+    settled = None
+    if not exact and not refine:
+        settled = settled_by_light(coarse, found.structure, b, known, rng)
     model: LightModel = HarmonicLight(order)
     converged = None
     fit = refined(coarse, b, known, rng=rng) if refine else None
