@@ -47,6 +47,9 @@ LORENTZ = 0.1
 LORENTZ_SAY = 10.0
 """Weight of each of its six numbers; the same for rotations, which uniform light tells apart."""
 
+ISOMETRY = 0.1
+"""Departure from a rotation that light which is not quite uniform may cause."""
+
 USUAL_UNIFORM = 0.1
 """Share of uniform light that is enough to tell."""
 
@@ -198,6 +201,8 @@ class Cues:
         Whether their strengths are thought equal, but for a few, or only alike.
     uniform
         Share of uniform light in the images. It shows `a |b|`, which only rotations keep.
+    isometry
+        Departure from a rotation that counts as none.
     """
 
     def __init__(
@@ -209,6 +214,7 @@ class Cues:
         lights: Float[np.ndarray, "F d"] | None = None,
         equal: bool = True,
         uniform: float = 0.0,
+        isometry: float = ISOMETRY,
         explain: bool = False,
         cells: int = MOST_CELLS,
     ) -> None:
@@ -227,6 +233,7 @@ class Cues:
         self._coarse = 0.1 * float(np.median(np.abs(self._grain))) + 1e-6
         self._lights = lights
         self._equal = equal
+        self._isometry = isometry
         self._isometry_say = LORENTZ_SAY * min(1.0, uniform / USUAL_UNIFORM)
         outline, known, mirrored = knowledge.outline, knowledge.normals, knowledge.mirrored
         self._outline = None
@@ -279,9 +286,9 @@ class Cues:
         ]
         turned = rows.swapaxes(1, 2)
         if len(self._middle) == 4:
-            parts.append((_anisotropy(-rows @ METRIC @ turned) / LORENTZ, LORENTZ_SAY, ALONE))
+            parts.append((anisotropy(-rows @ METRIC @ turned) / LORENTZ, LORENTZ_SAY, ALONE))
         if self._isometry_say > 0:
-            parts.append((_anisotropy(rows @ turned) / LORENTZ, self._isometry_say, ALONE))
+            parts.append((anisotropy(rows @ turned) / self._isometry, self._isometry_say, ALONE))
         if self._outline is not None:
             v, outward, region = self._outline
             n = directions_of(v @ turned)
@@ -334,7 +341,7 @@ def _regions(mask: Bool[np.ndarray, "H W"]) -> Int[np.ndarray, "p"]:
     return np.asarray(row * REGIONS + column)
 
 
-def _anisotropy(products: Float[np.ndarray, "m 3 3"]) -> Float[np.ndarray, "m 6"]:
-    """Return how far symmetric matrices are from multiples of the identity."""
+def anisotropy(products: Float[np.ndarray, "m 3 3"]) -> Float[np.ndarray, "m 6"]:
+    """Return how far symmetric matrices are from multiples of the identity, relative to those."""
     scale = np.abs(np.einsum("mii->m", products)) / 3 + TINY
     return (products / scale[:, None, None] - np.eye(3))[:, *np.triu_indices(3)]

@@ -19,6 +19,7 @@ References
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -158,29 +159,30 @@ def _normal_equations(
 def _solve(
     system: _System, damping: float
 ) -> tuple[Float[np.ndarray, "F q"], Float[np.ndarray, "p 3"]]:
-    images, size, pixels = system.by_light.shape
+    # Lights that are out have no derivatives, and are not asked.
+    light = _damped(system.light, damping)
+    image, which = np.nonzero(np.einsum("fqq->fq", system.light))
     # Cholesky factors of the damped blocks, so that Z Z' with Z = W C^-T is W V^-1 W'.
     inverse = np.linalg.inv(np.linalg.cholesky(_damped(system.normal, damping)))
     slope = np.einsum("pji,pi->pj", inverse, system.normal_slope)
-    reduced = np.zeros((images * size, images * size), order="F")
-    right = system.light_slope.ravel().copy()
+    reduced = np.zeros((len(image), len(image)), order="F")
+    right = system.light_slope[image, which]
     # A share of the pixels at a time, since W and Z are larger than all else.
-    for first in range(0, pixels, PIXELS):
+    for first in range(0, len(slope), PIXELS):
         some = slice(first, first + PIXELS)
         # Pixels first, so that one small product a pixel makes Z.
-        coupling = system.by_light[:, :, some, None] * system.by_normal[:, None, some]
-        coupling = coupling.reshape(images * size, -1, 3).swapaxes(0, 1)
-        z = coupling @ inverse[some].swapaxes(1, 2)
-        z = z.swapaxes(0, 1).reshape(images * size, -1)
+        coupling = system.by_light[image, which, some, None] * system.by_normal[image, some]
+        z = coupling.swapaxes(0, 1) @ inverse[some].swapaxes(1, 2)
+        z = z.swapaxes(0, 1).reshape(len(image), -1)
         # The lower half, in place.
         dsyrk(-1.0, z.T, beta=1.0, c=reduced, trans=1, lower=1, overwrite_c=1)
         right -= z @ slope[some].ravel()
-    blocks = reduced.T.reshape(images, size, images, size)
-    each = np.arange(images)
-    blocks[each, :, each] += _damped(system.light, damping)
+    ends = np.searchsorted(image, np.arange(len(light) + 1))
+    for i, (first, end) in enumerate(pairwise(ends)):
+        reduced[first:end, first:end] += light[i][np.ix_(which[first:end], which[first:end])]
     # LAPACK's Cholesky: scipy's and numpy's general solvers take many times as long here.
-    light_step = cho_solve(cho_factor(reduced, lower=True, overwrite_a=True), right)
-    light_step = light_step.reshape(images, size)
+    light_step = np.zeros(system.light_slope.shape)
+    light_step[image, which] = cho_solve(cho_factor(reduced, lower=True, overwrite_a=True), right)
     by_light = np.einsum("fq,fqp->fp", light_step, system.by_light)
     moved = np.einsum("fp,fpi->pi", by_light, system.by_normal)
     rest = slope - np.einsum("pij,pj->pi", inverse, moved)

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from harmface.stereo.fewest_points import fewest_points
 from harmface.stereo.homogeneous import scaled_normal_images
 from harmface.stereo.joint import JointFit, fit_jointly
 from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
@@ -42,8 +43,12 @@ PRICES = (1.0, 4.0)
 """Prices of a direction, in deviations of the noise: the lower parts points that are near, the
 higher is not misled by what the structure still lacks."""
 
-ROUNDS = 3
+ROUNDS = 2
 """Times that points are looked for and improved together with the structure."""
+
+PRUNINGS = 3
+"""Times that points too many are left out: each lets the structure show more of them. Before the
+linear map is known once is enough."""
 
 STEPS = 15
 """Steps of each joint fit of points."""
@@ -99,7 +104,7 @@ def many_sources(
     under_dense, left
         Scaled normals that points start from, and what they leave, of `under_dense_light`.
     """
-    model, points = _points(values, seen, under_dense, left)
+    model, points = _points(values, seen, under_dense, left, rounds=ROUNDS, prunings=1)
     found: list[tuple[LightModel, JointFit]] = [
         (model, points),
         _one_point(values, seen, points.b),
@@ -109,6 +114,27 @@ def many_sources(
     if best is not model:
         fit = _reweighted(values, seen, best, fit)
     return ManySources(best, fit.light, fit.b, fit.energies, fit.converged)
+
+
+def points_again(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    b: Float[np.ndarray, "p 3"],
+    left: Float[np.ndarray, "F p"],
+) -> ManySources:
+    """Return points and uniform light, found anew for scaled normals whose linear map is better.
+
+    Parameters
+    ----------
+    values, seen
+        As in `many_sources`.
+    b
+        Scaled normals, right but for small errors.
+    left
+        What the light found before leaves of the images.
+    """
+    model, fit = _points(values, seen, b, left, rounds=1, prunings=PRUNINGS)
+    return ManySources(model, fit.light, fit.b, fit.energies, fit.converged)
 
 
 def under_dense_light(
@@ -157,11 +183,17 @@ def _points(
     seen: Bool[np.ndarray, "F p"],
     b: Float[np.ndarray, "p 3"],
     left: Float[np.ndarray, "F p"],
+    *,
+    rounds: int,
+    prunings: int,
 ) -> tuple[PointLights, JointFit]:
-    """Return points and structure from a start ([BSR17]_: add, then descend, again and again)."""
+    """Return points and structure from a start ([BSR17]_: add, then descend, again and again).
+
+    At last the points that are not needed are left out, see `fewest_points`.
+    """
     model, dense = PointLights(POINTS, ambient=True), dense_light(FINE)
     light, energy = np.zeros((len(values), 3 * POINTS + 1)), np.full(len(values), np.inf)
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         weights = seen_weights(left, seen, least=SMALL)
         scale = max(robust_scale(left[seen]), SMALL)
         # Observations of little weight are replaced by what was expected of them, so that all
@@ -177,6 +209,13 @@ def _points(
         light, b = fit.light, fit.b
         left = values - model.predict(light, b)
         energy = (seen_weights(left, seen, least=SMALL) * left**2).sum(axis=1)
+    for _ in range(prunings):
+        left = values - model.predict(light, b)
+        weights = seen_weights(left, seen, least=SMALL)
+        price = 3 * np.log(len(b)) * max(robust_scale(left[seen]), SMALL) ** 2
+        light = fewest_points(values, model, light, b, weights, price)
+        fit = fit_jointly(values, model, light, b, weights=weights, iterations=STEPS)
+        light, b = fit.light, fit.b
     return model, fit
 
 

@@ -9,6 +9,7 @@ References
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 from sklearn.cluster import KMeans
 
@@ -62,7 +63,8 @@ def fit_dense_light(
     for i, image in enumerate(values):
         weighted = columns if weights is None else columns * weights[i]
         root = _root(weighted @ columns.T) if shared is None else shared
-        light[i] = nnls(root, np.linalg.solve(root.T, weighted @ image - prices))[0]
+        right = solve_triangular(root, weighted @ image - prices, trans="T")
+        light[i] = nnls(root, right)[0]
     return light / size
 
 
@@ -90,7 +92,7 @@ def points_of(
         on = np.flatnonzero(each)
         if not len(on):
             continue
-        clusters = KMeans(min(count, len(on)), n_init=2, random_state=0)
+        clusters = KMeans(min(count, len(on)), n_init=1, random_state=0)
         of = clusters.fit_predict(model.directions[on], sample_weight=say[i, on])
         for k in range(clusters.n_clusters):
             some = on[of == k]

@@ -9,7 +9,12 @@ from harmface.stereo.light_models import LightModel
 from harmface.stereo.robust import seen_weights
 
 STEPS = 15
-"""Steps of each pixel: three unknowns and a good start need about five."""
+"""Steps of each pixel from any start."""
+
+STEPS_NEARBY = 8
+STEPS_REWEIGHTED = 5
+"""Steps from a start found under the same light, and once more with weights: beyond these normals
+move by 0.002 degrees on average."""
 
 
 def fit_normals(
@@ -65,6 +70,9 @@ def fit_robustly(
     seen
         Observations that are not saturated.
     """
-    b = fit_normals(values, model, light, start, weights=seen.astype(np.float64))
+    b = fit_normals(
+        values, model, light, start, weights=seen.astype(np.float64), steps=STEPS_NEARBY
+    )
     weights = seen_weights(values - model.predict(light, b), seen)
-    return fit_normals(values, model, light, b, weights=weights), weights
+    b = fit_normals(values, model, light, b, weights=weights, steps=STEPS_REWEIGHTED)
+    return b, weights

@@ -11,18 +11,36 @@ Any linear map of b can be undone by light that is general enough: `max(b . l, 0
 becomes A b and l becomes A^-T l, for point sources exactly, for a whole environment too. So after
 the fit the linear map is chosen by the cues again: integrability leaves the bas-relief family,
 and outline, albedo and the equality of single sources decide within it. Uniform light is not
-mapped to uniform light, and so helps to decide.
+mapped to uniform light, and so helps to decide; the more since points are found anew once the map
+is about right, for in a sheared frame a few points too many hide that uniform light is not.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from harmface import checks
-from harmface.stereo.cues import ALL_CELLS, MOST_CELLS, NOTHING, UNEQUAL, Cues, Knowledge
+from harmface.stereo.cues import (
+    ALL_CELLS,
+    ISOMETRY,
+    MOST_CELLS,
+    NOTHING,
+    UNEQUAL,
+    Cues,
+    Knowledge,
+    anisotropy,
+)
 from harmface.stereo.factorization import factorize
-from harmface.stereo.gauge import best_linear, best_of, best_rotation, boosted, improved, shifted
+from harmface.stereo.gauge import (
+    Rows,
+    best_linear,
+    best_of,
+    best_rotation,
+    boosted,
+    improved,
+    shifted,
+)
 from harmface.stereo.hayakawa import equal_strength_metric
 from harmface.stereo.homogeneous import directions_of
 from harmface.stereo.integrability import integrable_start
@@ -34,7 +52,13 @@ from harmface.stereo.light_models import (
     uniform_share,
 )
 from harmface.stereo.lorentz import nearest_lorentz
-from harmface.stereo.many_sources import many_sources, misfit, under_dense_light
+from harmface.stereo.many_sources import (
+    ManySources,
+    many_sources,
+    misfit,
+    points_again,
+    under_dense_light,
+)
 from harmface.stereo.per_pixel import fit_robustly
 from harmface.stereo.robust import robust_scale
 from harmface.stereo.single_sources import SINGLE, single_sources
@@ -65,6 +89,13 @@ the scale."""
 
 MOSTLY = 0.7
 """Share of the other sources that are of that strength, too, if lamps are equal."""
+
+
+AGAIN = 2
+"""Times that points are found anew at most."""
+
+SURE_ISOMETRY = 0.02
+"""Departure of the map from a rotation that is left open however well the images tell it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,39 +164,25 @@ def refine(
         Pixels by which light is found.
     """
     unit = float(stack.values.mean())
+    values = stack.values / unit
     start = start / np.linalg.norm(start, axis=1).mean()
     rng = checks.generator(rng)
-    found = _explained(stack, stack.values / unit, start, pixels, rng)
+    some = rng.permutation(np.flatnonzero(values.max(axis=0) > 0))[:pixels]
+    found = _explained(stack, values, start, some)
+    transformation, equal = _map_found(stack, found, start, knowledge, rng)
+    isometry = ISOMETRY
+    several = isinstance(found.model, PointLights) and found.model.count > 1
+    # Until what the images tell of the map no longer depends on where it was begun.
+    for _ in range(AGAIN if several else 0):
+        b = found.b @ transformation.T
+        found, isometry = _explained_again(stack, values, found, b, some)
+        transformation = np.linalg.lstsq(found.b, b, rcond=None)[0].T
+        if isometry < ISOMETRY:
+            break
+        cues = _cues_of(stack, found, knowledge, MOST_CELLS)
+        transformation = improved(cues, transformation, shifted, 9)
+    cues = _cues_of(stack, found, knowledge, ALL_CELLS, equal, isometry)
     structure = structure_of(found.model, found.b)
-    lights = found.model.points(found.light)[:, 0] if has_one_point(found.model) else None
-
-    def cues_of(cells: int, equal: bool) -> Cues:
-        return Cues(
-            structure,
-            stack.mask,
-            knowledge,
-            lights=lights,
-            equal=equal,
-            uniform=uniform_share(found.model, found.light),
-            cells=cells,
-        )
-
-    equal = True
-    cues = cues_of(MOST_CELLS, equal)
-    if isinstance(found.model, HarmonicLight):
-        aligned = nearest_lorentz(directions_of(found.b), directions_of(start))
-        transformation = best_of(cues, [aligned[1:]], boosted, 6)
-    else:
-        back, *_ = np.linalg.lstsq(found.b, start, rcond=None)
-        starts = [back.T, integrable_start(structure, stack.mask)]
-        metric = None if lights is None else equal_strength_metric(lights)
-        if metric is not None:
-            starts.append(best_rotation(cues, np.linalg.inv(np.linalg.cholesky(metric)), rng))
-        transformation = best_linear(cues, starts)
-        if lights is not None and not nearly_equal(lights @ np.linalg.inv(transformation)):
-            equal = False
-            transformation = best_linear(cues_of(MOST_CELLS, equal), [transformation, *starts])
-    cues = cues_of(ALL_CELLS, equal)
     move, parameters = (boosted, 6) if len(structure) == 4 else (shifted, 9)
     transformation = improved(cues, transformation, move, parameters)
     return Refined(
@@ -233,13 +250,10 @@ def _explained(
     stack: ImageStack,
     values: Float[np.ndarray, "F p"],
     start: Float[np.ndarray, "p 3"],
-    pixels: int,
-    rng: np.random.Generator,
+    some: Int[np.ndarray, "n"],
 ) -> _Explanation:
     """Return single sources if they explain the images about as well as many do, or many."""
     usable, seen = stack.usable, stack.seen
-    lit = np.flatnonzero(values.max(axis=0) > 0)
-    some = rng.permutation(lit)[:pixels]
     single = single_sources(values, usable, start, some)
     left = values - SINGLE.predict(single.light, single.b)
     scale = robust_scale(left[single.lit])
@@ -267,16 +281,103 @@ def _explained(
     # The fit may have drifted along a linear map, which the pixels not fitted yet must follow.
     b = start if isinstance(fit.model, HarmonicLight) else starts[best]
     drift, *_ = np.linalg.lstsq(b[some], fit.b, rcond=None)
-    b, weights = fit_robustly(values, seen, fit.model, fit.light, b @ drift)
-    left = values - fit.model.predict(fit.light, b)
+    by_many = _everywhere(stack, values, fit, b @ drift)
+    left = values - fit.model.predict(fit.light, by_many.b)
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
     unknowns = int(np.count_nonzero(fit.light)) + b.size
     gained = misfit_by_single - misfit(left[single.lit], unknowns)
     dark = isinstance(fit.model, PointLights) and uniform_share(fit.model, fit.light) < DARK_ROOM
     if gained < (GAIN_IN_THE_DARK if dark else GAIN):
         return by_single
-    scale = robust_scale(left[seen])
+    return by_many
+
+
+def _explained_again(
+    stack: ImageStack,
+    values: Float[np.ndarray, "F p"],
+    found: _Explanation,
+    b: Float[np.ndarray, "p 3"],
+    some: Int[np.ndarray, "n"],
+) -> tuple[_Explanation, float]:
+    """Return points found anew for mapped normals, and how far the linear map is told by them.
+
+    In a frame that is sheared, sums of points settle that uniform light and fewer points explain
+    better. What the images tell of the map is as sure as two fits from different frames agree.
+    """
+    seen = stack.seen[:, some]
+    left = values[:, some] - found.model.predict(found.light, found.b[some])
+    b = b[some] / np.linalg.norm(b, axis=1).mean()
+    fit = points_again(values[:, some], seen, b, left)
+    drift, *_ = np.linalg.lstsq(found.b[some], fit.b, rcond=None)
+    moved = float(np.abs(anisotropy((drift.T @ drift)[None])).max())
+    unknowns = [int(np.count_nonzero(each.light)) + b.size for each in (found, fit)]
+    left_now = values[:, some] - fit.model.predict(fit.light, fit.b)
+    if misfit(left_now[seen], unknowns[1]) < misfit(left[seen], unknowns[0]):
+        found = _everywhere(stack, values, fit, found.b @ drift)
+    return found, float(np.clip(moved, SURE_ISOMETRY, ISOMETRY))
+
+
+def _everywhere(
+    stack: ImageStack,
+    values: Float[np.ndarray, "F p"],
+    fit: ManySources,
+    start: Float[np.ndarray, "p 3"],
+) -> _Explanation:
+    """Return all pixels under light that was found with some."""
+    b, weights = fit_robustly(values, stack.seen, fit.model, fit.light, start)
+    scale = robust_scale((values - fit.model.predict(fit.light, b))[stack.seen])
     return _Explanation(fit.model, fit.light, b, weights, scale, fit.energies, fit.converged)
+
+
+def _map_found(
+    stack: ImageStack,
+    found: _Explanation,
+    start: Float[np.ndarray, "p 3"],
+    knowledge: Knowledge,
+    rng: np.random.Generator,
+) -> tuple[Rows, bool]:
+    """Return the map of the structure that fits the cues, and whether sources are equal."""
+    cues = _cues_of(stack, found, knowledge, MOST_CELLS)
+    if isinstance(found.model, HarmonicLight):
+        aligned = nearest_lorentz(directions_of(found.b), directions_of(start))
+        return best_of(cues, [aligned[1:]], boosted, 6), True
+    back, *_ = np.linalg.lstsq(found.b, start, rcond=None)
+    starts = [back.T, integrable_start(found.b.T, stack.mask)]
+    lights = _one_point_lights(found)
+    if lights is None:
+        return best_linear(cues, starts), True
+    metric = equal_strength_metric(lights)
+    if metric is not None:
+        starts.append(best_rotation(cues, np.linalg.inv(np.linalg.cholesky(metric)), rng))
+    transformation = best_linear(cues, starts)
+    if nearly_equal(lights @ np.linalg.inv(transformation)):
+        return transformation, True
+    cues = _cues_of(stack, found, knowledge, MOST_CELLS, equal=False)
+    return best_linear(cues, [transformation, *starts]), False
+
+
+def _cues_of(
+    stack: ImageStack,
+    found: _Explanation,
+    knowledge: Knowledge,
+    cells: int,
+    equal: bool = True,
+    isometry: float = ISOMETRY,
+) -> Cues:
+    return Cues(
+        structure_of(found.model, found.b),
+        stack.mask,
+        knowledge,
+        lights=_one_point_lights(found),
+        equal=equal,
+        uniform=uniform_share(found.model, found.light),
+        isometry=isometry,
+        cells=cells,
+    )
+
+
+def _one_point_lights(found: _Explanation) -> Float[np.ndarray, "F 3"] | None:
+    return found.model.points(found.light)[:, 0] if has_one_point(found.model) else None
 
 
 def leading_dimensions(values: Float[np.ndarray, "F p"]) -> Float[np.ndarray, "p 3"]:

@@ -100,6 +100,9 @@ def test_uniform_light_prefers_rotations(ball):
     assert cues.cost(turned) == pytest.approx(plain.cost(turned))
     stretched = np.diag([1.0, 1.0, 0.5])
     assert cues.cost(stretched) > plain.cost(stretched) + 10
+    slightly = np.diag([1.0, 1.0, 0.95])
+    surer = Cues(ball.b.T, ball.mask, uniform=0.3, isometry=0.02)
+    assert surer.cost(slightly) > cues.cost(slightly) + 5
 
 
 def test_many_candidates_cost_what_each_costs(ball, rng):

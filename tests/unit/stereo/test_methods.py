@@ -89,8 +89,18 @@ def test_several_sources_are_not_taken_for_one(ball, several_sources, rng):
     known = Knowledge(outline_of(ball.mask))
     found = refine(ball.stack(several_sources), start, known, pixels=200)
     assert found.model == PointLights(POINTS, ambient=True)
-    # Noise of 1 % leaves the linear map vague: 0.6 to 0.9 from three starts.
-    assert error(found.b, ball) < 1.5
+    on = (found.model.points(found.light) != 0).any(axis=2).sum(axis=1)
+    assert np.median(on) == 2
+    assert error(found.b, ball) < 1
+
+
+def test_a_sheared_start_does_not_shear_the_light(ball, several_sources):
+    known = Knowledge(outline_of(ball.mask))
+    errors = []
+    for shear in (np.eye(3), [[1, 0, 0], [0, 1, 0], [0.3, -0.2, 0.8]]):
+        found = refine(ball.stack(several_sources), ball.b @ np.transpose(shear), known, pixels=200)
+        errors.append(error(found.b, ball))
+    assert max(errors) < 1
 
 
 def test_clipped_observations_of_several_sources_do_not_count(ball, several_sources, rng):

@@ -1,0 +1,63 @@
+"""Points of an image, no more than it needs."""
+
+import numpy as np
+import pytest
+
+from harmface.stereo.fewest_points import fewest_points
+from harmface.stereo.light_models import PointLights
+
+MODEL = PointLights(4, ambient=True)
+SOURCES = np.array([[0.8, 0.3, 0.5], [-0.4, -0.6, 0.7]])
+
+
+@pytest.fixture
+def split():
+    """Two points and uniform light; of one point two halves, and a faint fourth."""
+    aside = np.array([0.05, -0.05, 0.0])
+    points = [SOURCES[0] / 2 + aside, SOURCES[1], SOURCES[0] / 2 - aside, [0.0, 0.01, 0.01]]
+    return np.array([[*np.ravel(points), 0.3]])
+
+
+@pytest.fixture
+def images(ball, rng):
+    light = np.array([[*SOURCES.ravel(), 0.3]])
+    exact = PointLights(2, ambient=True).predict(light, ball.b)
+    return exact + 0.005 * rng.standard_normal(exact.shape)
+
+
+def points_on(light):
+    points = MODEL.points(light)[0]
+    return points[(points != 0).any(axis=1)]
+
+
+def test_points_that_there_are_remain(ball, images, split):
+    weights = np.ones(images.shape)
+    light = fewest_points(images, MODEL, split, ball.b, weights, 20 * 0.005**2)
+    found = points_on(light)
+    assert len(found) == 2
+    for source in SOURCES:
+        assert np.linalg.norm(found - source, axis=1).min() < 0.01
+    assert abs(light[0, -1] - 0.3) < 0.01
+
+
+def test_what_costs_more_than_its_price_stays(ball, images, split):
+    weights = np.ones(images.shape)
+    energy = ((images - MODEL.predict(split, ball.b)) ** 2).sum()
+    kept = fewest_points(images, MODEL, split, ball.b, weights, -energy)
+    assert np.array_equal(kept, split)
+
+
+def test_the_last_point_stays(ball, images, split):
+    weights = np.ones(images.shape)
+    assert len(points_on(fewest_points(images, MODEL, split, ball.b, weights, np.inf))) == 1
+
+
+def test_images_do_not_mix(ball, images, split):
+    weights = np.ones(images.shape)
+    alone = fewest_points(images, MODEL, split, ball.b, weights, 20 * 0.005**2)
+    other = np.array([[*np.roll(split[0, :-1], 3), 0.1]])
+    pair = np.concatenate([images, 0.5 * images])
+    both = fewest_points(
+        pair, MODEL, np.concatenate([split, other]), ball.b, np.ones(pair.shape), 20 * 0.005**2
+    )
+    assert np.allclose(both[0], alone[0], atol=1e-12)
