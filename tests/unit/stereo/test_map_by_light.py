@@ -11,7 +11,7 @@ from harmface.stereo import angular_errors, factorize, image_stack, refine
 from harmface.stereo.cues import Knowledge, outline_of
 from harmface.stereo.exact_second_order import exact_second_order
 from harmface.stereo.linear_map import nearest_linear_map
-from harmface.stereo.map_by_light import settled_by_light
+from harmface.stereo.map_by_light import IMAGES, settled_by_light
 
 SHEARED = np.array([[1.1, 0.05, 0.1], [0.0, 0.9, -0.1], [0.05, 0.0, 1.2]])
 
@@ -32,6 +32,7 @@ def test_points_choose_the_map_and_the_albedo(
     known = Knowledge(outline_of(ball.mask))
     found = settled_by_light(ball.stack(images), structure, off, known, rng)
     assert found.fit.model.count == 1
+    assert len(found.fit.light) == len(images)
     b = found.scaled_normals(structure)
     assert angular_errors(unit(b), ball.normals).mean() < most
     albedo = np.linalg.norm(b, axis=1) / ball.albedo
@@ -40,6 +41,16 @@ def test_points_choose_the_map_and_the_albedo(
     errors = angular_errors(unit(b), ball.normals)
     assert spearmanr(found.truncation_error, errors).statistic > 0.7
     assert found.truncation_error.mean() == pytest.approx(errors.mean(), rel=0.3)
+
+
+def test_several_sources_are_found_with_a_few_images(ball, several_sources, rng):
+    structure = factorize(several_sources, 9).structure
+    known = Knowledge(outline_of(ball.mask))
+    found = settled_by_light(ball.stack(several_sources), structure, ball.b, known, rng)
+    assert found.fit.model.count > 1
+    assert len(found.fit.light) == IMAGES
+    b = found.scaled_normals(structure)
+    assert angular_errors(unit(b), ball.normals).mean() < 2
 
 
 def test_harmonics_keep_what_they_explain(ball, rng):
