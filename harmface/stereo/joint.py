@@ -31,7 +31,7 @@ from harmface.stereo.light_models import LightModel
 LEAST_DAMPING = 1e-12
 MOST_DAMPING = 1e8
 
-PIXELS = 50
+PIXELS = 32
 """Pixels eliminated at a time."""
 
 

@@ -191,32 +191,44 @@ def _points(
 
     At last the points that are not needed are left out, see `fewest_points`.
     """
-    model, dense = PointLights(POINTS, ambient=True), dense_light(FINE)
-    light, energy = np.zeros((len(values), 3 * POINTS + 1)), np.full(len(values), np.inf)
-    for _ in range(rounds):
+    model = PointLights(POINTS, ambient=True)
+    light = np.zeros((len(values), 3 * POINTS + 1))
+    for step in range(rounds + prunings):
         weights = seen_weights(left, seen, least=SMALL)
         scale = max(robust_scale(left[seen]), SMALL)
-        # Observations of little weight are replaced by what was expected of them, so that all
-        # images share their normal equations.
-        filled = values - (1 - weights) * left
-        for price in PRICES:
-            spread = fit_dense_light(filled, dense, b, price=price * scale)
-            tried, after = fit_light(values, model, points_of(spread, dense, b, POINTS), b, weights)
-            better = after < energy
-            light = np.where(better[:, None], tried, light)
-            energy = np.where(better, after, energy)
+        if step < rounds:
+            light = _better_points(values, model, light, b, left, weights, scale)
+        else:
+            price = 3 * np.log(len(b)) * scale**2
+            light = fewest_points(values, model, light, b, weights, price)
         fit = fit_jointly(values, model, light, b, weights=weights, iterations=STEPS)
         light, b = fit.light, fit.b
         left = values - model.predict(light, b)
-        energy = (seen_weights(left, seen, least=SMALL) * left**2).sum(axis=1)
-    for _ in range(prunings):
-        left = values - model.predict(light, b)
-        weights = seen_weights(left, seen, least=SMALL)
-        price = 3 * np.log(len(b)) * max(robust_scale(left[seen]), SMALL) ** 2
-        light = fewest_points(values, model, light, b, weights, price)
-        fit = fit_jointly(values, model, light, b, weights=weights, iterations=STEPS)
-        light, b = fit.light, fit.b
     return model, fit
+
+
+def _better_points(
+    values: Float[np.ndarray, "F p"],
+    model: PointLights,
+    light: Float[np.ndarray, "F q"],
+    b: Float[np.ndarray, "p 3"],
+    left: Float[np.ndarray, "F p"],
+    weights: Float[np.ndarray, "F p"],
+    scale: float,
+) -> Float[np.ndarray, "F q"]:
+    """Return for each image the points that dense light gathers around, or those there are."""
+    dense = dense_light(FINE)
+    energy = (weights * (values - model.predict(light, b)) ** 2).sum(axis=1)
+    # Observations of little weight are replaced by what was expected of them, so that all
+    # images share their normal equations.
+    filled = values - (1 - weights) * left
+    for price in PRICES:
+        spread = fit_dense_light(filled, dense, b, price=price * scale)
+        tried, after = fit_light(values, model, points_of(spread, dense, b, POINTS), b, weights)
+        better = after < energy
+        light = np.where(better[:, None], tried, light)
+        energy = np.where(better, after, energy)
+    return light
 
 
 def _one_point(
