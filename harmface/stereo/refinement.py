@@ -301,8 +301,9 @@ def _explained_again(
 ) -> tuple[_Explanation, float]:
     """Return points found anew for mapped normals, and how far the linear map is told by them.
 
-    In a frame that is sheared, sums of points settle that uniform light and fewer points explain
-    better. What the images tell of the map is as sure as two fits from different frames agree.
+    In a frame that is sheared more points are needed, so what was found in the better frame is kept
+    if it explains the images better, by Bayes' criterion. The images know the map as well as fits
+    begun in two frames agree.
     """
     seen = stack.seen[:, some]
     left = values[:, some] - found.model.predict(found.light, found.b[some])

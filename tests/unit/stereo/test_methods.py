@@ -1,5 +1,7 @@
 """The first-order, second-order and refined methods on images that the renderer made."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -17,7 +19,7 @@ from harmface.stereo import (
 )
 from harmface.stereo.cues import NOTHING, Knowledge, outline_of
 from harmface.stereo.light_models import HarmonicLight, PointLights
-from harmface.stereo.many_sources import POINTS
+from harmface.stereo.many_sources import POINTS, points_again
 
 
 def error(b, scene):
@@ -101,6 +103,18 @@ def test_a_sheared_start_does_not_shear_the_light(ball, several_sources):
         found = refine(ball.stack(several_sources), ball.b @ np.transpose(shear), known, pixels=200)
         errors.append(error(found.b, ball))
     assert max(errors) < 1
+
+
+def test_points_found_anew_are_kept_only_if_they_explain_more(ball, several_sources, monkeypatch):
+    def astray(*args):
+        fit = points_again(*args)
+        return replace(fit, light=fit.light[::-1])
+
+    stack, known = ball.stack(several_sources), Knowledge(outline_of(ball.mask))
+    residual = refine(stack, ball.b, known, pixels=200).residual
+    monkeypatch.setattr("harmface.stereo.refinement.points_again", astray)
+    found = refine(stack, ball.b, known, pixels=200)
+    assert found.residual < 1.1 * residual
 
 
 def test_clipped_observations_of_several_sources_do_not_count(ball, several_sources, rng):
