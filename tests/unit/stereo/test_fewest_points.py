@@ -40,6 +40,17 @@ def test_points_that_there_are_remain(ball, images, split):
     assert abs(light[0, -1] - 0.3) < 0.01
 
 
+def test_halves_are_joined_though_a_needed_point_is_weaker(ball, rng):
+    faint = 0.2 * SOURCES[1]
+    exact = PointLights(2, ambient=True).predict(np.array([[*SOURCES[0], *faint, 0.3]]), ball.b)
+    images = exact + 0.005 * rng.standard_normal(exact.shape)
+    halves = [SOURCES[0] / 2, faint, SOURCES[0] / 2 + [0.0, 0.02, 0.0], np.zeros(3)]
+    light = np.array([[*np.ravel(halves), 0.3]])
+    light = fewest_points(images, MODEL, light, ball.b, np.ones(images.shape), 20 * 0.005**2)
+    assert len(points_on(light)) == 2
+    assert np.linalg.norm(points_on(light) - faint, axis=1).min() < 0.01
+
+
 def test_what_costs_more_than_its_price_stays(ball, images, split):
     weights = np.ones(images.shape)
     energy = ((images - MODEL.predict(split, ball.b)) ** 2).sum()
