@@ -19,9 +19,6 @@ from harmface.stereo.inflation import inflated_normals
 from harmface.stereo.integrability import integrable_rows, integrable_start, isometric_rows
 from harmface.stereo.lorentz import METRIC, NullCone, fit_null_cone
 
-EXACT = 1e-5
-"""Residual of the null cone up to which light counts as of degree 1: higher degrees leave 1e-2."""
-
 
 @dataclass(frozen=True, eq=False)
 class FirstOrder:
@@ -43,11 +40,6 @@ class FirstOrder:
     null_vectors: Float[np.ndarray, "4 p"]
     b: Float[np.ndarray, "p 3"]
     cost: float
-
-    @property
-    def exact(self) -> bool:
-        """Whether light was of degree 1."""
-        return self.cone.residual <= EXACT
 
 
 def first_order(
@@ -93,7 +85,7 @@ def first_order(
     blown = np.linalg.lstsq(direct.T[: len(inflated)], inflated, rcond=None)[0].T
     starts = [] if resolved is None else [resolved, -resolved]
     lorentz = best_lorentz(cues, starts, rng)
-    if cone.residual <= EXACT:
+    if cone.exact:
         # Of means over blocks, only these are linear in the structure.
         shown, best = vectors, lorentz
     else:

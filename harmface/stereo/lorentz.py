@@ -25,6 +25,10 @@ METRIC = np.diag([1.0, -1.0, -1.0, -1.0])
 """J: the sign of albedo squared against the three squared components of the scaled normal."""
 
 
+EXACT = 1e-5
+"""Residual of the null cone up to which light counts as of degree 1: higher degrees leave 1e-2."""
+
+
 @dataclass(frozen=True, eq=False)
 class NullCone:
     """The quadric on which the structure of all pixels lies.
@@ -45,6 +49,11 @@ class NullCone:
     frame: Float[np.ndarray, "4 4"]
     residual: float
     signature_held: bool
+
+    @property
+    def exact(self) -> bool:
+        """Whether light was of degree 1."""
+        return self.residual <= EXACT
 
 
 def fit_null_cone(structure: Float[np.ndarray, "4 p"]) -> NullCone:

@@ -20,7 +20,7 @@ from jaxtyping import Bool, Float
 
 from harmface.stereo.fewest_points import fewest_points
 from harmface.stereo.homogeneous import scaled_normal_images
-from harmface.stereo.joint import JointFit, fit_jointly
+from harmface.stereo.joint import fit_jointly
 from harmface.stereo.light_models import HarmonicLight, LightModel, PointLights
 from harmface.stereo.non_negative import best_point, dense_light, fit_dense_light, points_of
 from harmface.stereo.per_image import fit_light
@@ -104,16 +104,15 @@ def many_sources(
     under_dense, left
         Scaled normals that points start from, and what they leave, of `under_dense_light`.
     """
-    model, points = _points(values, seen, under_dense, left, rounds=ROUNDS, prunings=1)
-    found: list[tuple[LightModel, JointFit]] = [
-        (model, points),
-        _one_point(values, seen, points.b),
-        _smooth(values, seen, second_order),
-    ]
-    best, fit = min(found, key=lambda each: _misfit_of(values, seen, *each))
-    if best is not model:
-        fit = _reweighted(values, seen, best, fit)
-    return ManySources(best, fit.light, fit.b, fit.energies, fit.converged)
+    points = _points(values, seen, under_dense, left, rounds=ROUNDS, prunings=1)
+    others = [_one_point(values, seen, points.b), _smooth(values, seen, second_order)]
+
+    def misfit_of(fit: ManySources) -> float:
+        left = values - fit.model.predict(fit.light, fit.b)
+        return misfit(left[seen], fit.light, fit.b)
+
+    best = min([points, *others], key=misfit_of)
+    return points if best is points else _reweighted(values, seen, best)
 
 
 def points_again(
@@ -133,8 +132,7 @@ def points_again(
     left
         What the light found before leaves of the images.
     """
-    model, fit = _points(values, seen, b, left, rounds=1, prunings=PRUNINGS)
-    return ManySources(model, fit.light, fit.b, fit.energies, fit.converged)
+    return _points(values, seen, b, left, rounds=1, prunings=PRUNINGS)
 
 
 def under_dense_light(
@@ -161,21 +159,27 @@ def under_dense_light(
     return b, values - model.predict(light, b)
 
 
-def misfit(residual: Float[np.ndarray, "n"], unknowns: int = 0) -> float:
-    """Return Bayes' information criterion for an observation, its noise distributed as Cauchy's."""
+def misfit(residual: Float[np.ndarray, "n"], *unknowns: Float[np.ndarray, "..."]) -> float:
+    """Return Bayes' information criterion for an observation, its noise distributed as Cauchy's.
+
+    Unknowns that are zero were not fitted, as those of lights that are out.
+    """
     scale = robust_scale(residual) + SMALL
     surprise = 2 * (np.log(scale) + np.log1p((residual / scale) ** 2).mean())
-    return float(surprise + unknowns * np.log(residual.size) / residual.size)
+    count = sum(np.count_nonzero(each) for each in unknowns)
+    return float(surprise + count * np.log(residual.size) / residual.size)
 
 
-def _misfit_of(
+def _jointly(
     values: Float[np.ndarray, "F p"],
-    seen: Bool[np.ndarray, "F p"],
     model: LightModel,
-    fit: JointFit,
-) -> float:
-    residual = values - model.predict(fit.light, fit.b)
-    return misfit(residual[seen], int(np.count_nonzero(fit.light)) + fit.b.size)
+    light: Float[np.ndarray, "F q"],
+    b: Float[np.ndarray, "p 3"],
+    weights: Float[np.ndarray, "F p"],
+    steps: int,
+) -> ManySources:
+    fit = fit_jointly(values, model, light, b, weights=weights, iterations=steps)
+    return ManySources(model, fit.light, fit.b, fit.energies, fit.converged)
 
 
 def _points(
@@ -186,7 +190,7 @@ def _points(
     *,
     rounds: int,
     prunings: int,
-) -> tuple[PointLights, JointFit]:
+) -> ManySources:
     """Return points and structure from a start ([BSR17]_: add, then descend, again and again).
 
     At last the points that are not needed are left out, see `fewest_points`.
@@ -201,10 +205,10 @@ def _points(
         else:
             price = 3 * np.log(len(b)) * scale**2
             light = fewest_points(values, model, light, b, weights, price)
-        fit = fit_jointly(values, model, light, b, weights=weights, iterations=STEPS)
+        fit = _jointly(values, model, light, b, weights, STEPS)
         light, b = fit.light, fit.b
         left = values - model.predict(light, b)
-    return model, fit
+    return fit
 
 
 def _better_points(
@@ -233,37 +237,32 @@ def _better_points(
 
 def _one_point(
     values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
-) -> tuple[LightModel, JointFit]:
+) -> ManySources:
     """Return one point and uniform light: a flash in a lit room."""
     model = PointLights(1, ambient=True)
     weights = seen.astype(np.float64)
     light = best_point(values, dense_light(COARSE), b, weights)
     light, _ = fit_light(values, model, light, b, weights)
-    return model, fit_jointly(values, model, light, b, weights=weights, iterations=TRIAL_STEPS)
+    return _jointly(values, model, light, b, weights, TRIAL_STEPS)
 
 
 def _smooth(
     values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], b: Float[np.ndarray, "p 3"]
-) -> tuple[LightModel, JointFit]:
+) -> ManySources:
     model = HarmonicLight(2)
     light = np.linalg.lstsq(scaled_normal_images(b, 2).T, values.T, rcond=None)[0].T
     weights = seen.astype(np.float64)
-    return model, fit_jointly(values, model, light, b, weights=weights, iterations=TRIAL_STEPS)
+    return _jointly(values, model, light, b, weights, TRIAL_STEPS)
 
 
 def _reweighted(
-    values: Float[np.ndarray, "F p"],
-    seen: Bool[np.ndarray, "F p"],
-    model: LightModel,
-    fit: JointFit,
-) -> JointFit:
+    values: Float[np.ndarray, "F p"], seen: Bool[np.ndarray, "F p"], fit: ManySources
+) -> ManySources:
     """Return a fit continued with observations weighed by Cauchy's loss."""
     for _ in range(2):
-        left = values - model.predict(fit.light, fit.b)
+        left = values - fit.model.predict(fit.light, fit.b)
         if robust_scale(left[seen]) < SMALL:
             break
         weights = seen_weights(left, seen, least=SMALL)
-        fit = fit_jointly(
-            values, model, fit.light, fit.b, weights=weights, iterations=REWEIGHTED_STEPS
-        )
+        fit = _jointly(values, fit.model, fit.light, fit.b, weights, REWEIGHTED_STEPS)
     return fit

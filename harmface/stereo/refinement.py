@@ -91,8 +91,11 @@ MOSTLY = 0.7
 """Share of the other sources that are of that strength, too, if lamps are equal."""
 
 
-AGAIN = 2
+AGAIN = 3
 """Times that points are found anew at most."""
+
+SETTLED = 0.05
+"""Departure from a rotation, from one time to the next, below which the map is settled."""
 
 SURE_ISOMETRY = 0.02
 """Departure of the map from a rotation that is left open however well the images tell it."""
@@ -177,7 +180,7 @@ def refine(
         b = found.b @ transformation.T
         found, isometry = _explained_again(stack, values, found, b, some)
         transformation = np.linalg.lstsq(found.b, b, rcond=None)[0].T
-        if isometry < ISOMETRY:
+        if isometry <= SETTLED:
             break
         cues = _cues_of(stack, found, knowledge, MOST_CELLS)
         transformation = improved(cues, transformation, shifted, 9)
@@ -268,7 +271,7 @@ def _explained(
     )
     if scale < EXPLAINED:
         return by_single
-    misfit_by_single = misfit(left[single.lit], single.light.size + single.b.size)
+    misfit_by_single = misfit(left[single.lit], single.light, single.b)
     left, lit = left[:, some], single.lit[:, some]
     starts = [start, leading_dimensions(values)]
     dense = [under_dense_light(values[:, some], seen[:, some], b[some]) for b in starts]
@@ -284,8 +287,7 @@ def _explained(
     by_many = _everywhere(stack, values, fit, b @ drift)
     left = values - fit.model.predict(fit.light, by_many.b)
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
-    unknowns = int(np.count_nonzero(fit.light)) + b.size
-    gained = misfit_by_single - misfit(left[single.lit], unknowns)
+    gained = misfit_by_single - misfit(left[single.lit], fit.light, by_many.b)
     dark = isinstance(fit.model, PointLights) and uniform_share(fit.model, fit.light) < DARK_ROOM
     if gained < (GAIN_IN_THE_DARK if dark else GAIN):
         return by_single
@@ -311,9 +313,9 @@ def _explained_again(
     fit = points_again(values[:, some], seen, b, left)
     drift, *_ = np.linalg.lstsq(found.b[some], fit.b, rcond=None)
     moved = float(np.abs(anisotropy((drift.T @ drift)[None])).max())
-    unknowns = [int(np.count_nonzero(each.light)) + b.size for each in (found, fit)]
-    left_now = values[:, some] - fit.model.predict(fit.light, fit.b)
-    if misfit(left_now[seen], unknowns[1]) < misfit(left[seen], unknowns[0]):
+    before = misfit(left[seen], found.light, found.b[some])
+    left = values[:, some] - fit.model.predict(fit.light, fit.b)
+    if misfit(left[seen], fit.light, fit.b) < before:
         found = _everywhere(stack, values, fit, found.b @ drift)
     return found, float(np.clip(moved, SURE_ISOMETRY, ISOMETRY))
 

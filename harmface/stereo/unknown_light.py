@@ -93,7 +93,7 @@ def recover(
     warnings = []
     if not first.cone.signature_held:
         warnings.append("the quadric of the first-order structure lost its signature")
-    exact = first.exact
+    exact = first.cone.exact
     if order == 2:
         b = second_order(found.structure, coarse.mask, b, known).b
         if 1 - found.energy[8] < EXACT:

@@ -96,13 +96,12 @@ def test_several_sources_are_not_taken_for_one(ball, several_sources, rng):
     assert error(found.b, ball) < 1
 
 
-def test_a_sheared_start_does_not_shear_the_light(ball, several_sources):
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_sheared_start_does_not_shear_the_light(ball, several_sources, seed):
     known = Knowledge(outline_of(ball.mask))
-    errors = []
-    for shear in (np.eye(3), [[1, 0, 0], [0, 1, 0], [0.3, -0.2, 0.8]]):
-        found = refine(ball.stack(several_sources), ball.b @ np.transpose(shear), known, pixels=200)
-        errors.append(error(found.b, ball))
-    assert max(errors) < 1
+    sheared = ball.b @ np.transpose([[1, 0, 0], [0, 1, 0], [0.3, -0.2, 0.8]])
+    found = refine(ball.stack(several_sources), sheared, known, pixels=200, rng=seed)
+    assert error(found.b, ball) < 1
 
 
 def test_points_found_anew_are_kept_only_if_they_explain_more(ball, several_sources, monkeypatch):
