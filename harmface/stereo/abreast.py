@@ -10,6 +10,9 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
+SETTLED = 1e-8
+"""Relative change of its energy by a step after which a row rests."""
+
 
 def fit_abreast(
     observed: Float[np.ndarray, "n m"],
@@ -23,14 +26,14 @@ def fit_abreast(
     """Return what minimises `sum_j w_ij (y_ij - f_ij(x_i))^2` for each row i, and the minima.
 
     Damped Gauss-Newton ([M78]_), each row with its own damping; a row moves only when that
-    lowers its own energy.
+    lowers its own energy, and rests once that hardly falls any more.
 
     Parameters
     ----------
     observed
         y.
     predict, slope
-        f of all rows, and its derivatives by the unknowns.
+        f of some rows, whose x are given, and its derivatives by the unknowns.
     start
         x to start from.
     weights
@@ -38,27 +41,32 @@ def fit_abreast(
     steps
         Steps tried.
     """
-    x, damping = start, np.full(len(start), 1e-3)
+    x, damping = start.copy(), np.full(len(start), 1e-3)
     residual = observed - predict(x)
     energy = _energy(residual, weights)
     diagonal = np.arange(start.shape[1])
+    some = np.arange(len(start))
     for _ in range(steps):
-        by_unknown = slope(x)
-        weighted = by_unknown if weights is None else weights[..., None] * by_unknown
+        by_unknown = slope(x[some])
+        weighted = by_unknown if weights is None else weights[some, :, None] * by_unknown
         normal = weighted.swapaxes(1, 2) @ by_unknown
-        right = (weighted.swapaxes(1, 2) @ residual[..., None])[..., 0]
+        right = (weighted.swapaxes(1, 2) @ residual[some, :, None])[..., 0]
         scale = normal[:, diagonal, diagonal]
         # What has no say on its row, as a light that is out, stays where it is.
         floor = np.finfo(x.dtype).eps * scale.mean() + np.finfo(x.dtype).tiny
-        normal[:, diagonal, diagonal] += damping[:, None] * scale + floor
-        trial = x + np.linalg.solve(normal, right[..., None])[..., 0]
-        trial_residual = observed - predict(trial)
-        trial_energy = _energy(trial_residual, weights)
-        better = trial_energy < energy
-        x = np.where(better[:, None], trial, x)
-        residual = np.where(better[:, None], trial_residual, residual)
-        energy = np.where(better, trial_energy, energy)
-        damping = np.where(better, damping / 5, damping * 8)
+        normal[:, diagonal, diagonal] += damping[some, None] * scale + floor
+        trial = x[some] + np.linalg.solve(normal, right[..., None])[..., 0]
+        trial_residual = observed[some] - predict(trial)
+        trial_energy = _energy(trial_residual, None if weights is None else weights[some])
+        fall = energy[some] - trial_energy
+        better, settled = fall > 0, np.abs(fall) <= SETTLED * energy[some]
+        moved = some[better]
+        x[moved], residual[moved] = trial[better], trial_residual[better]
+        energy[moved] = trial_energy[better]
+        damping[some] *= np.where(better, 1 / 5, 8)
+        some = some[~settled]
+        if not len(some):
+            break
     return x, energy
 
 

@@ -22,8 +22,11 @@ TINY = float(np.finfo(np.float64).tiny)
 BATCH = 32
 """Candidates judged at a time: 30 arrays of 1000 cells each stay in the cache."""
 
-MOST_CELLS = 1000
+SEARCH_CELLS = 500
 """Cells that a search looks at: they fix a dozen numbers many times over."""
+
+MOST_CELLS = 1000
+"""Cells that as many as there are count like at most: neighbours say the same."""
 
 ALL_CELLS = 10_000
 """Cells that the last step looks at, so that noise in single ones averages out."""
@@ -193,7 +196,7 @@ class Cues:
     explain
         Whether the harmonic images of the candidate must span the structure: of nine dimensions.
     cells
-        Most cells looked at. Together they count like `MOST_CELLS`.
+        Most cells looked at. They count for all, and all like `MOST_CELLS` at most.
     lights
         One point source an image: light rows in the basis of v, so that the sources are
         `lights T^-1`.
@@ -216,16 +219,17 @@ class Cues:
         uniform: float = 0.0,
         isometry: float = ISOMETRY,
         explain: bool = False,
-        cells: int = MOST_CELLS,
+        cells: int = SEARCH_CELLS,
     ) -> None:
         # Albedo is divided out, so that its edges do not pass for slopes; all pixels count alike.
         size = np.linalg.norm(structure, axis=0)
         size = np.maximum(np.abs(size), 1e-6 * np.abs(size).max())
         v = (structure / size).T
-        seen: Cells = cells_of(mask).thinned(cells)
+        everywhere = cells_of(mask)
+        seen: Cells = everywhere.thinned(cells)
         region = _regions(mask)
         self._cell_region = region[seen.corners[:, 0]]
-        self._cell_say = min(1.0, MOST_CELLS / max(1, len(seen.corners)))
+        self._cell_say = min(MOST_CELLS, len(everywhere.corners)) / max(1, len(seen.corners))
         fields = (seen.middle(v), seen.along_x(v), seen.along_y(v))
         self._middle, self._dx, self._dy = (np.ascontiguousarray(field.T) for field in fields)
         log = np.log(size)[:, None]

@@ -68,18 +68,19 @@ class HarmonicLight:
 
 @dataclass(frozen=True)
 class PointLights:
-    """Distant points, and uniform light all around: `f = a |b| + sum_j max(b . l_j, 0)`.
+    """Distant points, and light all around: `f = sum_j max(b . l_j, 0) + a |b| + g . b`.
 
     The parameters of an image are the `3 count` components of its points l_j, each a direction
-    times an irradiance, and then a, the irradiance of the uniform light, if there is one. A
-    point of zero is switched off: it has no derivative either.
+    times an irradiance, and then, if there is light all around, its gradient g, which makes it
+    stronger from one side as a sky is, and a, its irradiance without. A point or gradient of zero
+    is switched off: it has no derivative either.
 
     Parameters
     ----------
     count
         Points of each image.
     ambient
-        Whether there is uniform light.
+        Whether there is light all around.
     """
 
     count: int
@@ -89,36 +90,43 @@ class PointLights:
         """Return the points of each image."""
         return light[:, : 3 * self.count].reshape(len(light), self.count, 3)
 
+    def gradient(self, light: Float[np.ndarray, "F q"]) -> Float[np.ndarray, "F 3"]:
+        """Return the gradient of the light all around of each image."""
+        return light[:, -4:-1]
+
     def predict(
         self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
     ) -> Float[np.ndarray, "F p"]:
-        """Return the sum of what the points and the uniform light give."""
+        """Return the sum of what the points and the light all around give."""
         images = sum(np.maximum(point @ b.T, 0) for point in self.points(light).swapaxes(0, 1))
         if self.ambient:
-            images = images + light[:, -1:] * np.linalg.norm(b, axis=1)
+            images = images + light[:, -1:] * np.linalg.norm(b, axis=1) + self.gradient(light) @ b.T
         return np.asarray(images)
 
     def by_light(
         self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
     ) -> Float[np.ndarray, "F q p"]:
-        """Return b where a point is above the horizon, and |b|."""
+        """Return b where a point is above the horizon, b if there is a gradient, and |b|."""
         lit = np.tensordot(self.points(light), b.T, axes=1) > 0
-        rows = (lit[:, :, None] * b.T).reshape(len(light), -1, len(b))
-        if not self.ambient:
-            return rows
-        length = np.broadcast_to(np.linalg.norm(b, axis=1), (len(light), 1, len(b)))
-        return np.concatenate([rows, length], axis=1)
+        slope = np.empty((*light.shape, len(b)))
+        rows = slope[:, : 3 * self.count].reshape(len(light), self.count, 3, len(b))
+        np.multiply(lit[:, :, None], b.T, out=rows)
+        if self.ambient:
+            changing = np.any(self.gradient(light) != 0, axis=1, keepdims=True)
+            slope[:, -4:-1] = np.where(changing[..., None], b.T, 0)
+            slope[:, -1] = np.linalg.norm(b, axis=1)
+        return slope
 
     def by_normal(
         self, light: Float[np.ndarray, "F q"], b: Float[np.ndarray, "p 3"]
     ) -> Float[np.ndarray, "F p 3"]:
-        """Return the sum of the points above the horizon, and `a b / |b|`."""
+        """Return the sum of the points above the horizon, and `a b / |b| + g`."""
         points = self.points(light)
         lit = np.tensordot(points, b.T, axes=1) > 0
         slope = np.einsum("fnp,fni->fpi", lit.astype(b.dtype), points)
         if self.ambient:
             length = np.maximum(np.linalg.norm(b, axis=1, keepdims=True), np.finfo(b.dtype).tiny)
-            slope += light[:, -1:, None] * (b / length)
+            slope += light[:, -1:, None] * (b / length) + self.gradient(light)[:, None]
         return slope
 
 

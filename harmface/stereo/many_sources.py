@@ -1,11 +1,11 @@
-"""Structure under light from anywhere: non-negative points and uniform light, or degree 2.
+"""Structure under light from anywhere: points and light all around, or degree 2.
 
 Points have many false optima: two that are 40 degrees apart are easily taken for one, and no small
 step parts them again. Light from many fixed directions has none, once the structure is given,
 and alternating with the structure it soon explains the images as well as the truth does. It
 leaves the linear map of the structure open, though, which few points and uniform light do not.
 So dense light starts; what it gathers around becomes points; and light and structure are
-improved together, with dense light asked again each time whether it knows better points.
+improved together.
 
 References
 ----------
@@ -33,7 +33,7 @@ POINTS = 6
 COARSE = 100
 """Directions that structure is found with, about 20 degrees apart: a cosine lobe is far wider."""
 
-FINE = 400
+FINE = 300
 """Directions that points are found with."""
 
 ALTERNATIONS = 10
@@ -43,14 +43,11 @@ PRICES = (1.0, 4.0)
 """Prices of a direction, in deviations of the noise: the lower parts points that are near, the
 higher is not misled by what the structure still lacks."""
 
-ROUNDS = 2
-"""Times that points are looked for and improved together with the structure."""
-
 PRUNINGS = 3
 """Times that points too many are left out: each lets the structure show more of them. Before the
 linear map is known once is enough."""
 
-STEPS = 15
+STEPS = 8
 """Steps of each joint fit of points."""
 
 TRIAL_STEPS = 30
@@ -104,7 +101,9 @@ def many_sources(
     under_dense, left
         Scaled normals that points start from, and what they leave, of `under_dense_light`.
     """
-    points = _points(values, seen, under_dense, left, rounds=ROUNDS, prunings=1)
+    rough = _points(values, seen, under_dense, left, prunings=0)
+    left = values - rough.model.predict(rough.light, rough.b)
+    points = _points(values, seen, rough.b, left, prunings=1)
     others = [_one_point(values, seen, points.b), _smooth(values, seen, second_order)]
 
     def misfit_of(fit: ManySources) -> float:
@@ -120,8 +119,10 @@ def points_again(
     seen: Bool[np.ndarray, "F p"],
     b: Float[np.ndarray, "p 3"],
     left: Float[np.ndarray, "F p"],
+    *,
+    gradient: bool,
 ) -> ManySources:
-    """Return points and uniform light, found anew for scaled normals whose linear map is better.
+    """Return points and light all around, found anew for scaled normals of a better linear map.
 
     Parameters
     ----------
@@ -131,8 +132,10 @@ def points_again(
         Scaled normals, right but for small errors.
     left
         What the light found before leaves of the images.
+    gradient
+        Whether the light all around may have a gradient.
     """
-    return _points(values, seen, b, left, rounds=1, prunings=PRUNINGS)
+    return _points(values, seen, b, left, prunings=PRUNINGS, gradient=gradient)
 
 
 def under_dense_light(
@@ -188,51 +191,51 @@ def _points(
     b: Float[np.ndarray, "p 3"],
     left: Float[np.ndarray, "F p"],
     *,
-    rounds: int,
     prunings: int,
+    gradient: bool = False,
 ) -> ManySources:
-    """Return points and structure from a start ([BSR17]_: add, then descend, again and again).
+    """Return points and structure from a start.
 
-    At last the points that are not needed are left out, see `fewest_points`.
+    Points are added, then left out where they are not needed, see `fewest_points`; each time light
+    and structure descend together, as in [BSR17]_.
     """
     model = PointLights(POINTS, ambient=True)
-    light = np.zeros((len(values), 3 * POINTS + 1))
-    for step in range(rounds + prunings):
+    weights = seen_weights(left, seen, least=SMALL)
+    scale = max(robust_scale(left[seen]), SMALL)
+    light = _gathered(values, model, b, left, weights, scale, gradient)
+    fit = _jointly(values, model, light, b, weights, STEPS)
+    for _ in range(prunings):
+        left = values - model.predict(fit.light, fit.b)
         weights = seen_weights(left, seen, least=SMALL)
-        scale = max(robust_scale(left[seen]), SMALL)
-        if step < rounds:
-            light = _better_points(values, model, light, b, left, weights, scale)
-        else:
-            price = 3 * np.log(len(b)) * scale**2
-            light = fewest_points(values, model, light, b, weights, price)
-        fit = _jointly(values, model, light, b, weights, STEPS)
-        light, b = fit.light, fit.b
-        left = values - model.predict(light, b)
+        price = 3 * np.log(len(b)) * max(robust_scale(left[seen]), SMALL) ** 2
+        light = fewest_points(values, model, fit.light, fit.b, weights, price)
+        fit = _jointly(values, model, light, fit.b, weights, STEPS)
     return fit
 
 
-def _better_points(
+def _gathered(
     values: Float[np.ndarray, "F p"],
     model: PointLights,
-    light: Float[np.ndarray, "F q"],
     b: Float[np.ndarray, "p 3"],
     left: Float[np.ndarray, "F p"],
     weights: Float[np.ndarray, "F p"],
     scale: float,
+    gradient: bool,
 ) -> Float[np.ndarray, "F q"]:
-    """Return for each image the points that dense light gathers around, or those there are."""
+    """Return for each image the points that dense light gathers around."""
     dense = dense_light(FINE)
-    energy = (weights * (values - model.predict(light, b)) ** 2).sum(axis=1)
     # Observations of little weight are replaced by what was expected of them, so that all
     # images share their normal equations.
     filled = values - (1 - weights) * left
+    fits = []
     for price in PRICES:
-        spread = fit_dense_light(filled, dense, b, price=price * scale)
-        tried, after = fit_light(values, model, points_of(spread, dense, b, POINTS), b, weights)
-        better = after < energy
-        light = np.where(better[:, None], tried, light)
-        energy = np.where(better, after, energy)
-    return light
+        spread = fit_dense_light(filled, dense, b, price=price * scale, gradient=gradient)
+        light = points_of(spread, dense, b, POINTS)
+        if gradient:
+            model.gradient(light)[:] = (filled - model.predict(light, b)) @ np.linalg.pinv(b).T
+        fits.append(fit_light(values, model, light, b, weights))
+    (light, left), (dearer, left_by_dearer) = fits
+    return np.where((left <= left_by_dearer)[:, None], light, dearer)
 
 
 def _one_point(

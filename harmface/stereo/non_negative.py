@@ -32,13 +32,15 @@ def fit_dense_light(
     *,
     weights: Float[np.ndarray, "F p"] | None = None,
     price: float = 0.0,
+    gradient: bool = False,
 ) -> Float[np.ndarray, "F q"]:
     """Return the non-negative light of each image that explains it best ([LH74]_).
 
     It minimises `sum_p w_p (M_p - f_p)^2 / 2 + price sum_j |c_j| l_j`, c_j being the image that
     direction j gives alone; uniform light costs nothing. A price of a few deviations of the noise
     leaves a direction or two beside each point that there is ([DP17]_). The Cholesky factor of
-    the normal equations is a square problem with the same solution.
+    the normal equations is a square problem with the same solution, and its trailing block the
+    one in which the unknowns before were eliminated.
 
     Parameters
     ----------
@@ -52,19 +54,22 @@ def fit_dense_light(
         Of the observations; 1 if not given.
     price
         Of light from directions.
+    gradient
+        Whether there may be an image `g . b` besides, whatever g. It is left out of the result.
     """
     columns = model.columns(b)
     size = _sizes(columns)
-    columns = columns / size[:, None]
-    prices = np.full(len(columns), price)
-    prices[-1] = 0
     light = np.empty((len(values), len(columns)))
+    free = 3 if gradient else 0
+    columns = np.concatenate([b.T[:free], columns / size[:, None]])
+    prices = np.full(len(columns), price)
+    prices[:free] = prices[-1] = 0
     shared = None if weights is not None else _root(columns @ columns.T)
     for i, image in enumerate(values):
         weighted = columns if weights is None else columns * weights[i]
         root = _root(weighted @ columns.T) if shared is None else shared
         right = solve_triangular(root, weighted @ image - prices, trans="T")
-        light[i] = nnls(root, right)[0]
+        light[i] = nnls(root[free:, free:], right[free:])[0]
     return light / size
 
 
@@ -86,7 +91,7 @@ def points_of(
         Points of an image.
     """
     say = light[:, :-1] * _sizes(model.columns(b))[:-1]
-    points = np.zeros((len(light), 3 * count + 1))
+    points = np.zeros((len(light), 3 * count + 4))
     points[:, -1] = light[:, -1]
     for i, each in enumerate(light[:, :-1]):
         on = np.flatnonzero(each)
@@ -105,7 +110,7 @@ def best_point(
     model: DenseLight,
     b: Float[np.ndarray, "p 3"],
     weights: Float[np.ndarray, "F p"],
-) -> Float[np.ndarray, "F 4"]:
+) -> Float[np.ndarray, "F 7"]:
     """Return the one direction of each image that explains it best beside uniform light.
 
     With c the image that a direction gives alone and u that of uniform light, the two irradiances
@@ -136,7 +141,10 @@ def best_point(
     gained = 2 * (point * ci + uniform * ui - point * uniform * cu) - point**2 * cc
     gained -= uniform**2 * uu
     best = np.arange(len(values)), gained.argmax(axis=1)
-    return np.hstack([point[best][:, None] * model.directions[best[1]], uniform[best][:, None]])
+    light = np.zeros((len(values), 7))
+    light[:, :3] = point[best][:, None] * model.directions[best[1]]
+    light[:, -1] = uniform[best]
+    return light
 
 
 def _sizes(columns: Float[np.ndarray, "q p"]) -> Float[np.ndarray, "q"]:

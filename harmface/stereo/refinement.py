@@ -2,10 +2,11 @@
 
 The harmonic methods work with a truncated series, in which light may be negative. Here the
 light of each image is one point, as in most photometric stereo: what is in shadow is left out
-and the rest is of rank 3. Or it is a few points and uniform light, never negative, so attached
-shadows are explained rather than fitted away; or it is of degree 2 with all pixels free, which
-serves smooth surroundings. The simplest that explains the images about as well as any is kept;
-broad gloss looks like more points, so where there is no uniform light these must explain far more.
+and the rest is of rank 3. Or it is a few points and light all around, uniform or with a gradient,
+so attached shadows are explained rather than fitted away; or it is of degree 2 with all pixels
+free, which serves smooth surroundings. The simplest that explains the images about as well as any
+is kept; broad gloss looks like more points, so where there is no uniform light these must explain
+far more.
 
 Any linear map of b can be undone by light that is general enough: `max(b . l, 0)` stays when b
 becomes A b and l becomes A^-T l, for point sources exactly, for a whole environment too. So after
@@ -24,8 +25,8 @@ from harmface import checks
 from harmface.stereo.cues import (
     ALL_CELLS,
     ISOMETRY,
-    MOST_CELLS,
     NOTHING,
+    SEARCH_CELLS,
     UNEQUAL,
     Cues,
     Knowledge,
@@ -91,10 +92,10 @@ MOSTLY = 0.7
 """Share of the other sources that are of that strength, too, if lamps are equal."""
 
 
-AGAIN = 3
-"""Times that points are found anew at most."""
+AGAIN = 6
+"""Times that points are found anew at most; usually the map is settled after one or two."""
 
-SETTLED = 0.05
+SETTLED = 0.03
 """Departure from a rotation, from one time to the next, below which the map is settled."""
 
 SURE_ISOMETRY = 0.02
@@ -174,16 +175,14 @@ def refine(
     found = _explained(stack, values, start, some)
     transformation, equal = _map_found(stack, found, start, knowledge, rng)
     isometry = ISOMETRY
-    several = isinstance(found.model, PointLights) and found.model.count > 1
-    # Until what the images tell of the map no longer depends on where it was begun.
-    for _ in range(AGAIN if several else 0):
-        b = found.b @ transformation.T
-        found, isometry = _explained_again(stack, values, found, b, some)
-        transformation = np.linalg.lstsq(found.b, b, rcond=None)[0].T
-        if isometry <= SETTLED:
-            break
-        cues = _cues_of(stack, found, knowledge, MOST_CELLS)
-        transformation = improved(cues, transformation, shifted, 9)
+    if isinstance(found.model, PointLights) and found.model.count > 1:
+        found, transformation, isometry = min(
+            (
+                _settled(stack, values, found, transformation, knowledge, some, gradient)
+                for gradient in (False, True)
+            ),
+            key=lambda settled: _misfit_of(settled[0], stack, values, some),
+        )
     cues = _cues_of(stack, found, knowledge, ALL_CELLS, equal, isometry)
     structure = structure_of(found.model, found.b)
     move, parameters = (boosted, 6) if len(structure) == 4 else (shifted, 9)
@@ -294,12 +293,37 @@ def _explained(
     return by_many
 
 
+def _settled(
+    stack: ImageStack,
+    values: Float[np.ndarray, "F p"],
+    found: _Explanation,
+    transformation: Rows,
+    knowledge: Knowledge,
+    some: Int[np.ndarray, "n"],
+    gradient: bool,
+) -> tuple[_Explanation, Rows, float]:
+    """Return points found anew until the linear map no longer depends on where they were begun.
+
+    With the map that the cues choose, and how far from a rotation it may be.
+    """
+    for _ in range(AGAIN):
+        b = found.b @ transformation.T
+        found, isometry = _explained_again(stack, values, found, b, some, gradient)
+        transformation = np.linalg.lstsq(found.b, b, rcond=None)[0].T
+        if isometry <= SETTLED:
+            break
+        cues = _cues_of(stack, found, knowledge, SEARCH_CELLS)
+        transformation = improved(cues, transformation, shifted, 9)
+    return found, transformation, isometry
+
+
 def _explained_again(
     stack: ImageStack,
     values: Float[np.ndarray, "F p"],
     found: _Explanation,
     b: Float[np.ndarray, "p 3"],
     some: Int[np.ndarray, "n"],
+    gradient: bool,
 ) -> tuple[_Explanation, float]:
     """Return points found anew for mapped normals, and how far the linear map is told by them.
 
@@ -310,14 +334,23 @@ def _explained_again(
     seen = stack.seen[:, some]
     left = values[:, some] - found.model.predict(found.light, found.b[some])
     b = b[some] / np.linalg.norm(b, axis=1).mean()
-    fit = points_again(values[:, some], seen, b, left)
+    fit = points_again(values[:, some], seen, b, left, gradient=gradient)
     drift, *_ = np.linalg.lstsq(found.b[some], fit.b, rcond=None)
     moved = float(np.abs(anisotropy((drift.T @ drift)[None])).max())
-    before = misfit(left[seen], found.light, found.b[some])
     left = values[:, some] - fit.model.predict(fit.light, fit.b)
-    if misfit(left[seen], fit.light, fit.b) < before:
+    if misfit(left[seen], fit.light, fit.b) < _misfit_of(found, stack, values, some):
         found = _everywhere(stack, values, fit, found.b @ drift)
     return found, float(np.clip(moved, SURE_ISOMETRY, ISOMETRY))
+
+
+def _misfit_of(
+    found: _Explanation,
+    stack: ImageStack,
+    values: Float[np.ndarray, "F p"],
+    some: Int[np.ndarray, "n"],
+) -> float:
+    left = values[:, some] - found.model.predict(found.light, found.b[some])
+    return misfit(left[stack.seen[:, some]], found.light, found.b[some])
 
 
 def _everywhere(
@@ -340,7 +373,7 @@ def _map_found(
     rng: np.random.Generator,
 ) -> tuple[Rows, bool]:
     """Return the map of the structure that fits the cues, and whether sources are equal."""
-    cues = _cues_of(stack, found, knowledge, MOST_CELLS)
+    cues = _cues_of(stack, found, knowledge, SEARCH_CELLS)
     if isinstance(found.model, HarmonicLight):
         aligned = nearest_lorentz(directions_of(found.b), directions_of(start))
         return best_of(cues, [aligned[1:]], boosted, 6), True
@@ -355,7 +388,7 @@ def _map_found(
     transformation = best_linear(cues, starts)
     if nearly_equal(lights @ np.linalg.inv(transformation)):
         return transformation, True
-    cues = _cues_of(stack, found, knowledge, MOST_CELLS, equal=False)
+    cues = _cues_of(stack, found, knowledge, SEARCH_CELLS, equal=False)
     return best_linear(cues, [transformation, *starts]), False
 
 

@@ -42,7 +42,7 @@ def test_energy_falls_and_is_that_of_the_result(ball, single_lights, rng, weight
     images = np.maximum(single_lights @ truth.T, 0) + 0.02 * rng.standard_normal((24, len(truth)))
     weights = rng.uniform(0.1, 1, images.shape) if weighted else None
     model = PointLights(2, ambient=True)
-    light = np.concatenate([single_lights, 0.1 * single_lights[::-1], np.full((24, 1), 0.1)], 1)
+    light = np.concatenate([single_lights, 0.1 * single_lights[::-1], np.full((24, 4), 0.1)], 1)
     fit = fit_jointly(images, model, light, truth, weights=weights, iterations=10)
     assert len(fit.energies) > 3
     assert (np.diff(fit.energies) < 0).all()
@@ -57,18 +57,21 @@ def test_step_is_that_of_the_whole_normal_equations(rng, monkeypatch, pixels, mo
     from harmface.stereo import joint
 
     monkeypatch.setattr(joint, "PIXELS", pixels)
-    light, b = rng.standard_normal((5, 4)), rng.standard_normal((6, 3))
-    if model == PointLights(1, ambient=True):
-        # A point that is out stays out.
+    points = model == PointLights(1, ambient=True)
+    light, b = rng.standard_normal((5, 7 if points else 4)), rng.standard_normal((6, 3))
+    if points:
+        # What is out stays out.
         light[2, :3] = 0
+        light[3, 3:6] = 0
     values, weights = rng.standard_normal((5, 6)), rng.uniform(0.5, 1, (5, 6))
     system = joint._normal_equations(values, model, light, b, weights)
     light_step, b_step = joint._solve(system, 0.1)
-    jacobian = np.zeros((5, 6, 20 + 18))
+    q = light.shape[1]
+    jacobian = np.zeros((5, 6, 5 * q + 18))
     for f in range(5):
-        jacobian[f, :, 4 * f : 4 * f + 4] = model.by_light(light, b)[f].T
+        jacobian[f, :, q * f : q * f + q] = model.by_light(light, b)[f].T
         for p in range(6):
-            jacobian[f, p, 20 + 3 * p : 23 + 3 * p] = model.by_normal(light, b)[f, p]
+            jacobian[f, p, 5 * q + 3 * p : 5 * q + 3 * p + 3] = model.by_normal(light, b)[f, p]
     flat, w = jacobian.reshape(30, -1), weights.ravel()
     normal = flat.T @ (w[:, None] * flat)
     right = flat.T @ (w * (values - model.predict(light, b)).ravel())

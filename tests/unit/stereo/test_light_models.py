@@ -17,11 +17,11 @@ MODELS = [
     (HarmonicLight(2), RNG.standard_normal((4, 9))),
     (HarmonicLight(4), RNG.standard_normal((4, 25))),
     (PointLights(1, ambient=False), RNG.standard_normal((4, 3))),
-    (PointLights(3, ambient=True), RNG.standard_normal((4, 10))),
+    (PointLights(3, ambient=True), RNG.standard_normal((4, 13))),
     (DENSE, RNG.uniform(0, 1, (4, 13))),
     (
         Mapped(PointLights(2, ambient=True), RNG.standard_normal((3, 3))),
-        RNG.standard_normal((4, 7)),
+        RNG.standard_normal((4, 10)),
     ),
 ]
 
@@ -35,11 +35,32 @@ def test_scaled_normals_have_the_harmonic_images(degree):
 def test_points_and_directions_are_clamped_cosines():
     light = MODELS[4][1]
     points = light[:, :9].reshape(4, 3, 3)
-    expected = sum(np.maximum(points[:, j] @ B.T, 0) for j in range(3)) + light[:, 9:] * LENGTH
+    expected = sum(np.maximum(points[:, j] @ B.T, 0) for j in range(3)) + light[:, 12:] * LENGTH
+    expected += light[:, 9:12] @ B.T
     assert np.allclose(MODELS[4][0].predict(light, B), expected)
     weights = MODELS[5][1]
     expected = weights[:, :-1] @ clamped_cosines(B, DENSE.directions) + weights[:, -1:] * LENGTH
     assert np.allclose(DENSE.predict(weights, B), expected)
+
+
+def test_light_all_around_with_a_gradient_is_a_sky_of_degree_one(ball):
+    """Radiance `1 + c . w` over all directions w, integrated by the renderer's own cosines."""
+    sky = fibonacci_directions(20_000)
+    slope = np.array([0.3, 0.6, -0.2])
+    radiance = (1 + sky @ slope) * 4 * np.pi / len(sky)
+    expected = radiance @ clamped_cosines(ball.b, sky)
+    light = np.array([[0, 0, 0, *(2 * np.pi / 3 * slope), np.pi]])
+    found = PointLights(1, ambient=True).predict(light, ball.b)
+    assert np.abs(found / expected - 1).max() < 1e-3
+
+
+def test_light_that_is_out_has_no_derivative():
+    light = RNG.standard_normal((2, 10))
+    light[0, 3:6] = 0
+    light[1, 6:9] = 0
+    out = ~PointLights(2, ambient=True).by_light(light, B).any(axis=2)
+    assert np.array_equal(out[0], np.isin(np.arange(10), [3, 4, 5]))
+    assert np.array_equal(out[1], np.isin(np.arange(10), [6, 7, 8]))
 
 
 def test_light_of_mapped_normals_makes_the_images_of_unmapped_ones():

@@ -60,17 +60,32 @@ def test_a_price_leaves_fewer_directions(ball, three_sources, rng):
     assert np.abs(priced[:, -1] - 0.2).max() < 0.05
 
 
+def test_a_gradient_besides_is_eliminated(ball, three_sources):
+    """The result is the same whatever image g . b is added, with and without weights."""
+    model, light, _ = three_sources
+    images = light @ model.columns(ball.b)
+    changing = images + np.array([0.4, -0.3, 0.2]) @ ball.b.T
+    plain = fit_dense_light(images, model, ball.b, price=0.02, gradient=True)
+    assert np.allclose(fit_dense_light(changing, model, ball.b, price=0.02, gradient=True), plain)
+    left = changing - fit_dense_light(changing, model, ball.b, gradient=True) @ model.columns(
+        ball.b
+    )
+    slope = np.linalg.lstsq(ball.b, left.T, rcond=None)[0].T
+    assert np.abs(left - slope @ ball.b.T).max() < 1e-3
+    assert np.abs(left).max() > 0.1
+
+
 def test_points_gather_what_lies_together(ball, three_sources):
     model, light, sources = three_sources
     points = points_of(light, model, ball.b, 2)
     assert np.allclose(points[:, :3], sources)
-    assert np.allclose(points[:, 3:], [0, 0, 0, 0.2])
+    assert np.allclose(points[:, 3:], [0, 0, 0, 0, 0, 0, 0.2])
 
 
 def test_points_between_directions_are_explained_by_those_around(ball):
     """Points to spare make up for clusters of directions that hardly light anything."""
     dense = dense_light(400)
-    between = np.array([[0.5, 0.1, 0.8, -0.6, 0.3, 0.7, 0.3]])
+    between = np.array([[0.5, 0.1, 0.8, -0.6, 0.3, 0.7, 0, 0, 0, 0.3]])
     images = PointLights(2, ambient=True).predict(between, ball.b)
     start = points_of(fit_dense_light(images, dense, ball.b, price=0.03), dense, ball.b, 4)
     model = PointLights(4, ambient=True)
@@ -91,17 +106,19 @@ def test_the_best_point_is_that_of_all_directions_tried(ball, rng):
         tried = [nnls((columns[[j, -1]] * root).T, image * root) for j in range(60)]
         best = int(np.argmin([left for _, left in tried]))
         point, uniform = tried[best][0]
-        assert np.allclose(light, [*point * model.directions[best], uniform])
+        assert np.allclose(light, [*point * model.directions[best], 0, 0, 0, uniform])
 
 
 def test_no_light_is_no_point(ball):
     model = dense_light(100)
-    assert np.array_equal(points_of(np.zeros((1, 101)), model, ball.b, 2), np.zeros((1, 7)))
+    assert np.array_equal(points_of(np.zeros((1, 101)), model, ball.b, 2), np.zeros((1, 10)))
 
 
 def test_light_of_each_image_settles_from_nearby(ball, rng):
     model = PointLights(2, ambient=True)
-    light = np.array([[0.5, 0.1, 0.8, -0.6, 0.3, 0.7, 0.3], [0.2, -0.5, 0.8, 0, 0, 0, 0.1]])
+    light = np.array(
+        [[0.5, 0.1, 0.8, -0.6, 0.3, 0.7, 0.1, 0, 0.2, 0.3], [0.2, -0.5, 0.8, 0, 0, 0, 0, 0, 0, 0.1]]
+    )
     images = model.predict(light, ball.b)
     weights = rng.uniform(0.5, 1, images.shape)
     start = light + 0.1 * (light != 0) * rng.standard_normal(light.shape)
