@@ -22,13 +22,13 @@ from harmface.stereo.refinement import Refined, refine
 from harmface.stereo.robust import robust_scale
 from harmface.stereo.stack import ImageStack
 
-IMAGES = 16
-"""Images that the map is found with, spread over all."""
+IMAGES = 24
+"""Images that the map is found with, spread over all: more of them tell more than more pixels."""
 
 SINGLE_IMAGES = 64
 """The same if each is lit by one point: those take little time, and many tell the map better."""
 
-PIXELS = 300
+PIXELS = 160
 """Pixels by which their light is found."""
 
 
