@@ -20,7 +20,7 @@ def fit_abreast(
     slope: Callable[[Float[np.ndarray, "n k"]], Float[np.ndarray, "n m k"]],
     start: Float[np.ndarray, "n k"],
     *,
-    weights: Float[np.ndarray, "n m"] | None,
+    weights: Float[np.ndarray, "n m"],
     steps: int,
 ) -> tuple[Float[np.ndarray, "n k"], Float[np.ndarray, "n"]]:
     """Return what minimises `sum_j w_ij (y_ij - f_ij(x_i))^2` for each row i, and the minima.
@@ -37,18 +37,18 @@ def fit_abreast(
     start
         x to start from.
     weights
-        Of the observations; 1 if not given.
+        Of the observations.
     steps
         Steps tried.
     """
     x, damping = start.copy(), np.full(len(start), 1e-3)
     residual = observed - predict(x)
-    energy = _energy(residual, weights)
+    energy = (weights * residual**2).sum(axis=1)
     diagonal = np.arange(start.shape[1])
     some = np.arange(len(start))
     for _ in range(steps):
         by_unknown = slope(x[some])
-        weighted = by_unknown if weights is None else weights[some, :, None] * by_unknown
+        weighted = weights[some, :, None] * by_unknown
         normal = weighted.swapaxes(1, 2) @ by_unknown
         right = (weighted.swapaxes(1, 2) @ residual[some, :, None])[..., 0]
         scale = normal[:, diagonal, diagonal]
@@ -57,7 +57,7 @@ def fit_abreast(
         normal[:, diagonal, diagonal] += damping[some, None] * scale + floor
         trial = x[some] + np.linalg.solve(normal, right[..., None])[..., 0]
         trial_residual = observed[some] - predict(trial)
-        trial_energy = _energy(trial_residual, None if weights is None else weights[some])
+        trial_energy = (weights[some] * trial_residual**2).sum(axis=1)
         fall = energy[some] - trial_energy
         better, settled = fall > 0, np.abs(fall) <= SETTLED * energy[some]
         moved = some[better]
@@ -68,10 +68,3 @@ def fit_abreast(
         if not len(some):
             break
     return x, energy
-
-
-def _energy(
-    residual: Float[np.ndarray, "n m"], weights: Float[np.ndarray, "n m"] | None
-) -> Float[np.ndarray, "n"]:
-    squares = residual**2
-    return np.asarray((squares if weights is None else weights * squares).sum(axis=1))

@@ -31,7 +31,7 @@ from harmface.stereo.light_models import LightModel
 LEAST_DAMPING = 1e-12
 MOST_DAMPING = 1e8
 
-PIXELS = 32
+PIXELS = 16
 """Pixels eliminated at a time."""
 
 
@@ -87,6 +87,8 @@ def fit_jointly(
     tolerance
         Relative fall of the energy below which the fit has converged.
     """
+    if weights is None:
+        weights = np.ones(values.shape)
     damping = 1e-3
     energy = _energy(values, model.predict(light, b), weights)
     energies = [energy]
@@ -128,11 +130,9 @@ class _System:
 def _energy(
     values: Float[np.ndarray, "F p"],
     predicted: Float[np.ndarray, "F p"],
-    weights: Float[np.ndarray, "F p"] | None,
+    weights: Float[np.ndarray, "F p"],
 ) -> float:
-    residual = values - predicted
-    squares = residual**2 if weights is None else weights * residual**2
-    return float(squares.sum() / 2)
+    return float((weights * (values - predicted) ** 2).sum() / 2)
 
 
 def _normal_equations(
@@ -140,18 +140,19 @@ def _normal_equations(
     model: LightModel,
     light: Float[np.ndarray, "F q"],
     b: Float[np.ndarray, "p 3"],
-    weights: Float[np.ndarray, "F p"] | None,
+    weights: Float[np.ndarray, "F p"],
 ) -> _System:
     residual = values - model.predict(light, b)
     by_light, by_normal = model.by_light(light, b), model.by_normal(light, b)
-    weighted = by_normal if weights is None else weights[..., None] * by_normal
-    weighted_light = by_light if weights is None else weights[:, None] * by_light
+    weighted = weights[..., None] * by_normal
+    # An image at a time: the derivatives by light are larger than all else.
+    each = zip(by_light, weights, strict=True)
     return _System(
-        light=weighted_light @ by_light.swapaxes(1, 2),
+        light=np.stack([(rows * weight) @ rows.T for rows, weight in each]),
         normal=np.einsum("fpi,fpj->pij", weighted, by_normal, optimize=True),
         by_light=by_light,
         by_normal=weighted,
-        light_slope=np.einsum("fqp,fp->fq", weighted_light, residual),
+        light_slope=np.einsum("fqp,fp->fq", by_light, weights * residual),
         normal_slope=np.einsum("fpi,fp->pi", weighted, residual),
     )
 

@@ -106,11 +106,10 @@ def many_sources(
     points = _points(values, seen, rough.b, left, prunings=1)
     others = [_one_point(values, seen, points.b), _smooth(values, seen, second_order)]
 
-    def misfit_of(fit: ManySources) -> float:
-        left = values - fit.model.predict(fit.light, fit.b)
-        return misfit(left[seen], fit.light, fit.b)
-
-    best = min([points, *others], key=misfit_of)
+    best = min(
+        [points, *others],
+        key=lambda fit: misfit_of(values, seen, fit.model, fit.light, fit.b),
+    )
     return points if best is points else _reweighted(values, seen, best)
 
 
@@ -171,6 +170,17 @@ def misfit(residual: Float[np.ndarray, "n"], *unknowns: Float[np.ndarray, "..."]
     surprise = 2 * (np.log(scale) + np.log1p((residual / scale) ** 2).mean())
     count = sum(np.count_nonzero(each) for each in unknowns)
     return float(surprise + count * np.log(residual.size) / residual.size)
+
+
+def misfit_of(
+    values: Float[np.ndarray, "F p"],
+    observed: Bool[np.ndarray, "F p"],
+    model: LightModel,
+    light: Float[np.ndarray, "F q"],
+    b: Float[np.ndarray, "p 3"],
+) -> float:
+    """Return the `misfit` of a model to the observations marked."""
+    return misfit((values - model.predict(light, b))[observed], light, b)
 
 
 def _jointly(

@@ -9,7 +9,6 @@ from harmface.stereo.light_models import LightModel
 STEPS = 15
 """Steps of each image: points found roughly settle in about ten."""
 
-
 IMAGES = 24
 """Images fitted at a time."""
 

@@ -43,12 +43,13 @@ def fit_normals(
     """
     b = start.astype(np.float64)
     for some in chunks(len(b), 64 * len(values)):
+        counted = np.ones(values[:, some].shape) if weights is None else weights[:, some]
         b[some], _ = fit_abreast(
             values[:, some].T,
             lambda b: model.predict(light, b).T,
             lambda b: model.by_normal(light, b).swapaxes(0, 1),
             b[some],
-            weights=None if weights is None else weights[:, some].T,
+            weights=counted.T,
             steps=steps,
         )
     return b

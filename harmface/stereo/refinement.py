@@ -57,6 +57,7 @@ from harmface.stereo.many_sources import (
     ManySources,
     many_sources,
     misfit,
+    misfit_of,
     points_again,
     under_dense_light,
 )
@@ -90,7 +91,6 @@ the scale."""
 
 MOSTLY = 0.7
 """Share of the other sources that are of that strength, too, if lamps are equal."""
-
 
 AGAIN = 6
 """Times that points are found anew at most; usually the map is settled after one or two."""
@@ -181,7 +181,13 @@ def refine(
                 _settled(stack, values, found, transformation, knowledge, some, gradient)
                 for gradient in (False, True)
             ),
-            key=lambda settled: _misfit_of(settled[0], stack, values, some),
+            key=lambda settled: misfit_of(
+                values[:, some],
+                stack.seen[:, some],
+                settled[0].model,
+                settled[0].light,
+                settled[0].b[some],
+            ),
         )
     cues = _cues_of(stack, found, knowledge, ALL_CELLS, equal, isometry)
     structure = structure_of(found.model, found.b)
@@ -270,7 +276,7 @@ def _explained(
     )
     if scale < EXPLAINED:
         return by_single
-    misfit_by_single = misfit(left[single.lit], single.light, single.b)
+    misfit_by_single = misfit_of(values, single.lit, SINGLE, single.light, single.b)
     left, lit = left[:, some], single.lit[:, some]
     starts = [start, leading_dimensions(values)]
     dense = [under_dense_light(values[:, some], seen[:, some], b[some]) for b in starts]
@@ -284,9 +290,8 @@ def _explained(
     b = start if isinstance(fit.model, HarmonicLight) else starts[best]
     drift, *_ = np.linalg.lstsq(b[some], fit.b, rcond=None)
     by_many = _everywhere(stack, values, fit, b @ drift)
-    left = values - fit.model.predict(fit.light, by_many.b)
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
-    gained = misfit_by_single - misfit(left[single.lit], fit.light, by_many.b)
+    gained = misfit_by_single - misfit_of(values, single.lit, fit.model, fit.light, by_many.b)
     dark = isinstance(fit.model, PointLights) and uniform_share(fit.model, fit.light) < DARK_ROOM
     if gained < (GAIN_IN_THE_DARK if dark else GAIN):
         return by_single
@@ -337,20 +342,10 @@ def _explained_again(
     fit = points_again(values[:, some], seen, b, left, gradient=gradient)
     drift, *_ = np.linalg.lstsq(found.b[some], fit.b, rcond=None)
     moved = float(np.abs(anisotropy((drift.T @ drift)[None])).max())
-    left = values[:, some] - fit.model.predict(fit.light, fit.b)
-    if misfit(left[seen], fit.light, fit.b) < _misfit_of(found, stack, values, some):
+    now = misfit_of(values[:, some], seen, fit.model, fit.light, fit.b)
+    if now < misfit_of(values[:, some], seen, found.model, found.light, found.b[some]):
         found = _everywhere(stack, values, fit, found.b @ drift)
     return found, float(np.clip(moved, SURE_ISOMETRY, ISOMETRY))
-
-
-def _misfit_of(
-    found: _Explanation,
-    stack: ImageStack,
-    values: Float[np.ndarray, "F p"],
-    some: Int[np.ndarray, "n"],
-) -> float:
-    left = values[:, some] - found.model.predict(found.light, found.b[some])
-    return misfit(left[stack.seen[:, some]], found.light, found.b[some])
 
 
 def _everywhere(
@@ -362,6 +357,8 @@ def _everywhere(
     """Return all pixels under light that was found with some."""
     b, weights = fit_robustly(values, stack.seen, fit.model, fit.light, start)
     scale = robust_scale((values - fit.model.predict(fit.light, b))[stack.seen])
+    # Single precision: those of three explanations are held at a time.
+    weights = weights.astype(np.float32)
     return _Explanation(fit.model, fit.light, b, weights, scale, fit.energies, fit.converged)
 
 

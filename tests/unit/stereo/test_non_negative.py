@@ -60,16 +60,19 @@ def test_a_price_leaves_fewer_directions(ball, three_sources, rng):
     assert np.abs(priced[:, -1] - 0.2).max() < 0.05
 
 
-def test_a_gradient_besides_is_eliminated(ball, three_sources):
-    """The result is the same whatever image g . b is added, with and without weights."""
+@pytest.mark.parametrize("weighted", [False, True])
+def test_a_gradient_besides_is_eliminated(ball, three_sources, weighted, rng):
+    """The result is the same whatever g . b is added, and leaves nothing but such an image."""
     model, light, _ = three_sources
-    images = light @ model.columns(ball.b)
+    images = model.predict(light, ball.b)
     changing = images + np.array([0.4, -0.3, 0.2]) @ ball.b.T
-    plain = fit_dense_light(images, model, ball.b, price=0.02, gradient=True)
-    assert np.allclose(fit_dense_light(changing, model, ball.b, price=0.02, gradient=True), plain)
-    left = changing - fit_dense_light(changing, model, ball.b, gradient=True) @ model.columns(
-        ball.b
-    )
+    weights = rng.uniform(0.2, 1, images.shape) if weighted else None
+
+    def found(values, price):
+        return fit_dense_light(values, model, ball.b, weights=weights, price=price, gradient=True)
+
+    assert np.allclose(found(changing, 0.02), found(images, 0.02))
+    left = changing - model.predict(found(changing, 0.0), ball.b)
     slope = np.linalg.lstsq(ball.b, left.T, rcond=None)[0].T
     assert np.abs(left - slope @ ball.b.T).max() < 1e-3
     assert np.abs(left).max() > 0.1
