@@ -1,11 +1,11 @@
 """How far the normals may be wrong, pixel by pixel.
 
 Two things make a normal wrong. Noise, and light that the model does not know, move each pixel by
-itself: the residuals of the pixel and the curvature of its own fit tell how far. And the linear
-map that the cues chose is sure in some directions and vague in others; an error in it moves all
-normals together, those across it most. At their optimum the cues of different regions of the
-picture pull in different directions, and how far that may move the map tells how vague it is;
-its covariance is carried to each normal.
+itself: the residuals of the pixel and the curvature of its own fit tell how far to expect, and
+its neighbours how far it was. And the linear map that the cues chose is sure in some directions
+and vague in others; an error in it moves all normals together, those across it most. At their
+optimum the cues of different regions of the picture pull in different directions, and how far that
+may move the map tells how vague it is; its covariance is carried to each normal.
 
 References
 ----------
@@ -14,12 +14,14 @@ References
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
+from scipy.ndimage import gaussian_filter
 
 from harmface.stereo.cues import ALONE, Cues
 from harmface.stereo.factorization import chunks
 from harmface.stereo.gauge import Rows, linearized, shifted
 from harmface.stereo.light_models import LightModel
+from harmface.stereo.stack import picture
 
 HALF_SURE = 5.0
 """Expected error, degrees, at which confidence is a half."""
@@ -30,6 +32,14 @@ misses bends what they judge: 1 to 3 under single sources, 2 to 8 under several.
 
 POOLED = 2
 """Observations that the noise of all pixels counts for in that of each."""
+
+
+VICINITY = 4.0
+"""Pixels within which the roughness of a surface is alike: standard deviation of the window."""
+
+
+BESIDE = (4 / 6, -1 / 6)
+"""Weights of both neighbours one and two pixels off on a line, that foretell cubics."""
 
 
 def noise_error(
@@ -75,6 +85,70 @@ def _noise_error(
     across = np.einsum("pii->p", covariance) - along
     angle = np.degrees(np.sqrt(np.maximum(across, 0) / squared))
     return np.where(seen, np.minimum(angle, 90.0), 90.0)
+
+
+def beside_neighbours(
+    n: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], noise: Float[np.ndarray, "p"]
+) -> Float[np.ndarray, "p"]:
+    """Return the error of each normal that noise has made, degrees, judged by those around.
+
+    `d = e + s` is how far a normal is from what those on lines through it foretell, exactly if they
+    follow a cubic: e its own error, of variance o, s what the surface and the neighbours' own
+    errors leave, of variance t. If both are normally distributed,
+
+        E(e^2 | d) = (g d)^2 + (1 - g) o,   g = o / (o + t).
+
+    With D the mean of d^2 in the vicinity and N that of the variances which noise gives d, t is
+    what D exceeds N by, and the neighbours' share; where D is less than N, as highlights bend
+    neighbours alike, only D / N of the variance sigma^2 is a normal's own, and the rest is added.
+
+    Parameters
+    ----------
+    n
+        Unit normals.
+    mask
+        Their pixels.
+    noise
+        sigma, of `noise_error`.
+    """
+    reach = len(BESIDE)
+    shape = tuple(side + 2 * reach for side in mask.shape)
+    inside, normals, variance = np.zeros(shape, bool), np.zeros((*shape, 3)), np.zeros(shape)
+    here = (slice(reach, -reach), slice(reach, -reach))
+    inside[here], normals[here][mask], variance[here][mask] = mask, n, noise**2
+    rows, columns = np.nonzero(inside)
+    foretold, by_neighbours, lines = np.zeros((len(n), 3)), np.zeros(len(n)), np.zeros(len(n))
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        places = [
+            ((rows + step * down, columns + step * right), weight)
+            for distance, weight in enumerate(BESIDE, 1)
+            for step, weight in ((distance, weight), (-distance, weight))
+        ]
+        whole = np.all([inside[place] for place, _ in places], axis=0)
+        lines += whole
+        foretold += whole[:, None] * sum(weight * normals[place] for place, weight in places)
+        by_neighbours += whole * sum(weight**2 * variance[place] for place, weight in places)
+    alone = lines == 0
+    lines = np.maximum(lines, 1)
+    squared = np.degrees(np.linalg.norm(n - foretold / lines[:, None], axis=1)) ** 2
+    by_neighbours /= lines**2
+    squared = np.where(alone, noise**2, squared)
+    floor = np.finfo(np.float64).eps * max(float(squared.max()), np.finfo(np.float64).tiny)
+    seen = _vicinity(squared, mask)
+    by_noise = _vicinity(noise**2 + by_neighbours, mask)
+    share = np.minimum(seen / np.maximum(by_noise, floor), 1.0)
+    own = share * noise**2
+    left = np.maximum(seen - by_noise, 0.0) + share * by_neighbours
+    gain = own / np.maximum(own + left, floor)
+    return np.sqrt(gain**2 * squared + (1 - gain) * own + (1 - share) * noise**2)
+
+
+def _vicinity(
+    values: Float[np.ndarray, "p"], mask: Bool[np.ndarray, "H W"]
+) -> Float[np.ndarray, "p"]:
+    """Return the mean about each pixel."""
+    count = gaussian_filter(mask.astype(np.float64), VICINITY, mode="constant")
+    return gaussian_filter(picture(values, mask), VICINITY, mode="constant")[mask] / count[mask]
 
 
 def ambiguity_error(

@@ -27,8 +27,8 @@ from harmface.stereo.per_image import fit_light
 from harmface.stereo.per_pixel import fit_normals
 from harmface.stereo.robust import robust_scale, seen_weights
 
-POINTS = 6
-"""Points of an image: up to four are common, and two more cost less than one that is missed."""
+MODEL = PointLights(6, ambient=True)
+"""Up to four points are common, and two more cost less than one that is missed."""
 
 COARSE = 100
 """Directions that structure is found with, about 20 degrees apart: a cosine lobe is far wider."""
@@ -47,6 +47,9 @@ PRUNINGS = 3
 """Times that points too many are left out: each lets the structure show more of them. Before the
 linear map is known once is enough."""
 
+LATE_PRUNINGS = 2
+"""The same for images that follow those which settled the normals."""
+
 STEPS = 8
 """Steps of each joint fit of points."""
 
@@ -55,6 +58,10 @@ TRIAL_STEPS = 30
 
 REWEIGHTED_STEPS = 25
 """Steps after each reweighting, once it was chosen."""
+
+MORE_POINTS = 0.1
+"""Misfit by which several points must be better than one: while the linear map is wrong, points
+that are not there gain 0.05 over it; true ones gain 0.5 and more."""
 
 SMALL = 1e-4
 """Residual, relative to the mean image, that counts as none."""
@@ -101,14 +108,17 @@ def many_sources(
     under_dense, left
         Scaled normals that points start from, and what they leave, of `under_dense_light`.
     """
-    rough = _points(values, seen, under_dense, left, prunings=0)
+    rough = _points(values, seen, under_dense, left)
     left = values - rough.model.predict(rough.light, rough.b)
-    points = _points(values, seen, rough.b, left, prunings=1)
+    points = _points(values, seen, rough.b, left)
+    points = _pruned(values, seen, points.light, points.b)
     others = [_one_point(values, seen, points.b), _smooth(values, seen, second_order)]
 
     best = min(
         [points, *others],
-        key=lambda fit: misfit_of(values, seen, fit.model, fit.light, fit.b),
+        key=lambda fit: (
+            misfit_of(values, seen, fit.model, fit.light, fit.b) + MORE_POINTS * (fit is points)
+        ),
     )
     return points if best is points else _reweighted(values, seen, best)
 
@@ -134,7 +144,37 @@ def points_again(
     gradient
         Whether the light all around may have a gradient.
     """
-    return _points(values, seen, b, left, prunings=PRUNINGS, gradient=gradient)
+    fit = _points(values, seen, b, left, gradient=gradient)
+    for _ in range(PRUNINGS):
+        fit = _pruned(values, seen, fit.light, fit.b)
+    return fit
+
+
+def points_of_more(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    b: Float[np.ndarray, "p 3"],
+    *,
+    gradient: bool,
+) -> ManySources:
+    """Return points and light all around of more images than those that settled the normals.
+
+    Parameters
+    ----------
+    values, seen
+        As in `many_sources`.
+    b
+        Scaled normals that other images settled.
+    gradient
+        Whether the light all around may have a gradient.
+    """
+    left = _left_by_dense_light(values, seen, b, gradient)
+    weights = seen_weights(left, seen, least=SMALL)
+    light = _gathered(values, b, left, weights, PRICES[-1:], gradient)
+    for _ in range(LATE_PRUNINGS):
+        fit = _pruned(values, seen, light, b)
+        light, b = fit.light, fit.b
+    return fit
 
 
 def under_dense_light(
@@ -201,51 +241,72 @@ def _points(
     b: Float[np.ndarray, "p 3"],
     left: Float[np.ndarray, "F p"],
     *,
-    prunings: int,
     gradient: bool = False,
 ) -> ManySources:
     """Return points and structure from a start.
 
-    Points are added, then left out where they are not needed, see `fewest_points`; each time light
+    Points are added, here, and left out where they are not needed, by `_pruned`; each time light
     and structure descend together, as in [BSR17]_.
     """
-    model = PointLights(POINTS, ambient=True)
     weights = seen_weights(left, seen, least=SMALL)
-    scale = max(robust_scale(left[seen]), SMALL)
-    light = _gathered(values, model, b, left, weights, scale, gradient)
-    fit = _jointly(values, model, light, b, weights, STEPS)
-    for _ in range(prunings):
-        left = values - model.predict(fit.light, fit.b)
-        weights = seen_weights(left, seen, least=SMALL)
-        price = 3 * np.log(len(b)) * max(robust_scale(left[seen]), SMALL) ** 2
-        light = fewest_points(values, model, fit.light, fit.b, weights, price)
-        fit = _jointly(values, model, light, fit.b, weights, STEPS)
-    return fit
+    light = _gathered(values, b, left, weights, PRICES, gradient)
+    return _jointly(values, MODEL, light, b, weights, STEPS)
+
+
+def _pruned(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    light: Float[np.ndarray, "F q"],
+    b: Float[np.ndarray, "p 3"],
+) -> ManySources:
+    """Return what is left without the points that are not needed, and the structure it shows."""
+    left = values - MODEL.predict(light, b)
+    weights = seen_weights(left, seen, least=SMALL)
+    price = 3 * np.log(len(b)) * _scale(left[seen]) ** 2
+    light = fewest_points(values, MODEL, light, b, weights, price)
+    return _jointly(values, MODEL, light, b, weights, STEPS)
+
+
+def _scale(residual: Float[np.ndarray, "n"]) -> float:
+    return max(robust_scale(residual), SMALL)
+
+
+def _left_by_dense_light(
+    values: Float[np.ndarray, "F p"],
+    seen: Bool[np.ndarray, "F p"],
+    b: Float[np.ndarray, "p 3"],
+    gradient: bool,
+) -> Float[np.ndarray, "F p"]:
+    """Return what dense light leaves of the images for scaled normals that are about right."""
+    model = dense_light(COARSE)
+    light = fit_dense_light(values, model, b, weights=seen.astype(np.float64), gradient=gradient)
+    left = values - model.predict(light, b)
+    return left - left @ np.linalg.pinv(b).T @ b.T if gradient else left
 
 
 def _gathered(
     values: Float[np.ndarray, "F p"],
-    model: PointLights,
     b: Float[np.ndarray, "p 3"],
     left: Float[np.ndarray, "F p"],
     weights: Float[np.ndarray, "F p"],
-    scale: float,
+    prices: tuple[float, ...],
     gradient: bool,
 ) -> Float[np.ndarray, "F q"]:
     """Return for each image the points that dense light gathers around."""
     dense = dense_light(FINE)
+    scale = _scale(left[weights > 0])
     # Observations of little weight are replaced by what was expected of them, so that all
     # images share their normal equations.
     filled = values - (1 - weights) * left
     fits = []
-    for price in PRICES:
+    for price in prices:
         spread = fit_dense_light(filled, dense, b, price=price * scale, gradient=gradient)
-        light = points_of(spread, dense, b, POINTS)
+        light = points_of(spread, dense, b, MODEL.count)
         if gradient:
-            model.gradient(light)[:] = (filled - model.predict(light, b)) @ np.linalg.pinv(b).T
-        fits.append(fit_light(values, model, light, b, weights))
-    (light, left), (dearer, left_by_dearer) = fits
-    return np.where((left <= left_by_dearer)[:, None], light, dearer)
+            MODEL.gradient(light)[:] = (filled - MODEL.predict(light, b)) @ np.linalg.pinv(b).T
+        fits.append(fit_light(values, MODEL, light, b, weights))
+    lights, left_by = (np.stack(each) for each in zip(*fits, strict=True))
+    return np.asarray(lights[left_by.argmin(axis=0), np.arange(len(values))])
 
 
 def _one_point(

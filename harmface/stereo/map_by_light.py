@@ -8,7 +8,7 @@ four. Points, never negative, allow no such exchange, and a few images are enoug
 linear functions of the dimensions that come nearest to the normals found so then serve all images.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -16,17 +16,14 @@ from jaxtyping import Float
 from harmface.stereo.cues import Knowledge
 from harmface.stereo.evaluation import angular_errors
 from harmface.stereo.homogeneous import directions_of, scaled_normal_images
-from harmface.stereo.light_models import HarmonicLight, is_single
+from harmface.stereo.light_models import HarmonicLight
 from harmface.stereo.linear_map import nearest_linear_map
 from harmface.stereo.refinement import Refined, refine
 from harmface.stereo.robust import robust_scale
-from harmface.stereo.stack import ImageStack
+from harmface.stereo.stack import ImageStack, spread_images
 
-IMAGES = 24
+IMAGES = 64
 """Images that the map is found with, spread over all: more of them tell more than more pixels."""
-
-SINGLE_IMAGES = 64
-"""The same if each is lit by one point: those take little time, and many tell the map better."""
 
 PIXELS = 160
 """Pixels by which their light is found."""
@@ -84,11 +81,8 @@ def settled_by_light(
     rng
         Draws the pixels.
     """
-    few = _spread_images(stack, IMAGES)
+    few = spread_images(stack, IMAGES)
     fit = refine(few, b, knowledge, rng=rng, pixels=PIXELS)
-    if is_single(fit.model) and len(stack.values) > IMAGES:
-        few = _spread_images(stack, SINGLE_IMAGES)
-        fit = refine(few, b, knowledge, rng=rng, pixels=PIXELS)
     if isinstance(fit.model, HarmonicLight):
         return None
     images = scaled_normal_images(b, 2)
@@ -106,10 +100,3 @@ def settled_by_light(
     bent = np.zeros(len(length))
     bent[bright] = angular_errors(directions_of(structure[:, bright].T @ directions.T), normals)
     return Settled(directions, albedo, fit, bent)
-
-
-def _spread_images(stack: ImageStack, most: int) -> ImageStack:
-    some = np.linspace(0, len(stack.values) - 1, min(most, len(stack.values))).astype(int)
-    return replace(
-        stack, values=stack.values[some], seen=stack.seen[some], usable=stack.usable[some]
-    )

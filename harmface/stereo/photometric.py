@@ -18,11 +18,11 @@ from threadpoolctl import threadpool_limits
 from harmface import checks
 from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
-from harmface.stereo.confidence import confidence_of, noise_error
+from harmface.stereo.confidence import beside_neighbours, confidence_of, noise_error
 from harmface.stereo.cues import KnownNormals
 from harmface.stereo.encoding import looks_gamma_encoded
 from harmface.stereo.factorization import chunks, factorize, interleaved
-from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.homogeneous import directions_of, scaled_normal_images
 from harmface.stereo.integrable_fit import of_one_surface
 from harmface.stereo.known_lights import (
     normals_from_coefficients,
@@ -193,9 +193,10 @@ def _under_known_light(
             f"{few.mean():.0%} of the pixels are seen in fewer than three photographs, neither "
             "dark nor saturated: their normals are guesses",
         )
-    expected = np.where(few, 90.0, np.minimum(expected, 90.0))
     if smoothness is not None and kept is not None:
         b = of_one_surface(stack, model, light, b, kept, smoothness)
+    expected = beside_neighbours(directions_of(b), stack.mask, expected)
+    expected = np.where(few, 90.0, np.minimum(expected, 90.0))
     return Recovered(method, b, expected, "light", warnings=warnings)
 
 

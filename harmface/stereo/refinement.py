@@ -16,7 +16,8 @@ mapped to uniform light, and so helps to decide; the more since points are found
 is about right, for in a sheared frame a few points too many hide that uniform light is not.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeGuard
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -59,15 +60,20 @@ from harmface.stereo.many_sources import (
     misfit,
     misfit_of,
     points_again,
+    points_of_more,
     under_dense_light,
 )
 from harmface.stereo.per_pixel import fit_robustly
 from harmface.stereo.robust import robust_scale
 from harmface.stereo.single_sources import SINGLE, single_sources
-from harmface.stereo.stack import ImageStack
+from harmface.stereo.stack import ImageStack, spread_images
 
 PIXELS = 600
 """Pixels by which light is found: 64 images of them outnumber all unknowns a dozen times."""
+
+FIRST_IMAGES = 16
+"""Images, spread over all, that tell what light there is and settle the map: the search takes long,
+and once normals are about right, points of all images are found at once."""
 
 EXPLAINED = 0.01
 """Residual, relative to the mean image, that single sources may leave without others being tried;
@@ -94,6 +100,9 @@ MOSTLY = 0.7
 
 AGAIN = 6
 """Times that points are found anew at most; usually the map is settled after one or two."""
+
+FOLLOWED = 3
+"""The same with all images: once is enough if the first ones settled the map."""
 
 SETTLED = 0.03
 """Departure from a rotation, from one time to the next, below which the map is settled."""
@@ -168,27 +177,19 @@ def refine(
         Pixels by which light is found.
     """
     unit = float(stack.values.mean())
-    values = stack.values / unit
+    stack = replace(stack, values=stack.values / unit)
     start = start / np.linalg.norm(start, axis=1).mean()
     rng = checks.generator(rng)
-    some = rng.permutation(np.flatnonzero(values.max(axis=0) > 0))[:pixels]
-    found = _explained(stack, values, start, some)
-    transformation, equal = _map_found(stack, found, start, knowledge, rng)
-    isometry = ISOMETRY
-    if isinstance(found.model, PointLights) and found.model.count > 1:
-        found, transformation, isometry = min(
-            (
-                _settled(stack, values, found, transformation, knowledge, some, gradient)
-                for gradient in (False, True)
-            ),
-            key=lambda settled: misfit_of(
-                values[:, some],
-                stack.seen[:, some],
-                settled[0].model,
-                settled[0].light,
-                settled[0].b[some],
-            ),
-        )
+    some = rng.permutation(np.flatnonzero(stack.values.max(axis=0) > 0))[:pixels]
+    few = spread_images(stack, FIRST_IMAGES)
+    found, transformation, equal, isometry = _found(few, start, knowledge, some, rng)
+    if few is not stack:
+        if _has_several_points(found.model):
+            b = found.b @ transformation.T
+            gradient = bool(found.model.gradient(found.light).any())
+            found, transformation = _followed(stack, b, knowledge, some, gradient)
+        else:
+            found, transformation, equal, isometry = _found(stack, start, knowledge, some, rng)
     cues = _cues_of(stack, found, knowledge, ALL_CELLS, equal, isometry)
     structure = structure_of(found.model, found.b)
     move, parameters = (boosted, 6) if len(structure) == 4 else (shifted, 9)
@@ -256,12 +257,11 @@ class _Explanation:
 
 def _explained(
     stack: ImageStack,
-    values: Float[np.ndarray, "F p"],
     start: Float[np.ndarray, "p 3"],
     some: Int[np.ndarray, "n"],
 ) -> _Explanation:
     """Return single sources if they explain the images about as well as many do, or many."""
-    usable, seen = stack.usable, stack.seen
+    values, usable, seen = stack.values, stack.usable, stack.seen
     single = single_sources(values, usable, start, some)
     left = values - SINGLE.predict(single.light, single.b)
     scale = robust_scale(left[single.lit])
@@ -289,7 +289,7 @@ def _explained(
     # The fit may have drifted along a linear map, which the pixels not fitted yet must follow.
     b = start if isinstance(fit.model, HarmonicLight) else starts[best]
     drift, *_ = np.linalg.lstsq(b[some], fit.b, rcond=None)
-    by_many = _everywhere(stack, values, fit, b @ drift)
+    by_many = _everywhere(stack, fit, b @ drift)
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
     gained = misfit_by_single - misfit_of(values, single.lit, fit.model, fit.light, by_many.b)
     dark = isinstance(fit.model, PointLights) and uniform_share(fit.model, fit.light) < DARK_ROOM
@@ -298,9 +298,63 @@ def _explained(
     return by_many
 
 
+def _found(
+    stack: ImageStack,
+    start: Float[np.ndarray, "p 3"],
+    knowledge: Knowledge,
+    some: Int[np.ndarray, "n"],
+    rng: np.random.Generator,
+) -> tuple[_Explanation, Rows, bool, float]:
+    """Return what explains the images, and its map that fits the cues.
+
+    With whether sources are equal, and how far from a rotation the map may be.
+    """
+    found = _explained(stack, start, some)
+    transformation, equal = _map_found(stack, found, start, knowledge, rng)
+    if not _has_several_points(found.model):
+        return found, transformation, equal, ISOMETRY
+    found, transformation, isometry = min(
+        (
+            _settled(stack, found, transformation, knowledge, some, gradient)
+            for gradient in (False, True)
+        ),
+        key=lambda settled: misfit_of(
+            stack.values[:, some],
+            stack.seen[:, some],
+            settled[0].model,
+            settled[0].light,
+            settled[0].b[some],
+        ),
+    )
+    return found, transformation, equal, isometry
+
+
+def _followed(
+    stack: ImageStack,
+    b: Float[np.ndarray, "p 3"],
+    knowledge: Knowledge,
+    some: Int[np.ndarray, "n"],
+    gradient: bool,
+) -> tuple[_Explanation, Rows]:
+    """Return points of all images, found for normals that some of them settled, and the map."""
+    values, seen = stack.values[:, some], stack.seen[:, some]
+    for _ in range(FOLLOWED):
+        b = b / np.linalg.norm(b, axis=1).mean()
+        fit = points_of_more(values, seen, b[some], gradient=gradient)
+        drift, *_ = np.linalg.lstsq(b[some], fit.b, rcond=None)
+        found = _everywhere(stack, fit, b @ drift)
+        transformation = np.linalg.lstsq(found.b, b, rcond=None)[0].T
+        # Fits to fewer pixels differ more by chance.
+        if _departure(drift) <= SETTLED * PIXELS / len(some):
+            break
+        cues = _cues_of(stack, found, knowledge, SEARCH_CELLS)
+        transformation = improved(cues, transformation, shifted, 9)
+        b = found.b @ transformation.T
+    return found, transformation
+
+
 def _settled(
     stack: ImageStack,
-    values: Float[np.ndarray, "F p"],
     found: _Explanation,
     transformation: Rows,
     knowledge: Knowledge,
@@ -313,7 +367,7 @@ def _settled(
     """
     for _ in range(AGAIN):
         b = found.b @ transformation.T
-        found, isometry = _explained_again(stack, values, found, b, some, gradient)
+        found, isometry = _explained_again(stack, found, b, some, gradient)
         transformation = np.linalg.lstsq(found.b, b, rcond=None)[0].T
         if isometry <= SETTLED:
             break
@@ -324,7 +378,6 @@ def _settled(
 
 def _explained_again(
     stack: ImageStack,
-    values: Float[np.ndarray, "F p"],
     found: _Explanation,
     b: Float[np.ndarray, "p 3"],
     some: Int[np.ndarray, "n"],
@@ -336,27 +389,31 @@ def _explained_again(
     if it explains the images better, by Bayes' criterion. The images know the map as well as fits
     begun in two frames agree.
     """
-    seen = stack.seen[:, some]
-    left = values[:, some] - found.model.predict(found.light, found.b[some])
+    values, seen = stack.values[:, some], stack.seen[:, some]
+    left = values - found.model.predict(found.light, found.b[some])
     b = b[some] / np.linalg.norm(b, axis=1).mean()
-    fit = points_again(values[:, some], seen, b, left, gradient=gradient)
+    fit = points_again(values, seen, b, left, gradient=gradient)
     drift, *_ = np.linalg.lstsq(found.b[some], fit.b, rcond=None)
-    moved = float(np.abs(anisotropy((drift.T @ drift)[None])).max())
-    now = misfit_of(values[:, some], seen, fit.model, fit.light, fit.b)
-    if now < misfit_of(values[:, some], seen, found.model, found.light, found.b[some]):
-        found = _everywhere(stack, values, fit, found.b @ drift)
+    moved = _departure(drift)
+    now = misfit_of(values, seen, fit.model, fit.light, fit.b)
+    if now < misfit_of(values, seen, found.model, found.light, found.b[some]):
+        found = _everywhere(stack, fit, found.b @ drift)
     return found, float(np.clip(moved, SURE_ISOMETRY, ISOMETRY))
+
+
+def _departure(drift: Float[np.ndarray, "3 3"]) -> float:
+    """Return how far a linear map is from a rotation."""
+    return float(np.abs(anisotropy((drift.T @ drift)[None])).max())
 
 
 def _everywhere(
     stack: ImageStack,
-    values: Float[np.ndarray, "F p"],
     fit: ManySources,
     start: Float[np.ndarray, "p 3"],
 ) -> _Explanation:
     """Return all pixels under light that was found with some."""
-    b, weights = fit_robustly(values, stack.seen, fit.model, fit.light, start)
-    scale = robust_scale((values - fit.model.predict(fit.light, b))[stack.seen])
+    b, weights = fit_robustly(stack.values, stack.seen, fit.model, fit.light, start)
+    scale = robust_scale((stack.values - fit.model.predict(fit.light, b))[stack.seen])
     # Single precision: those of three explanations are held at a time.
     weights = weights.astype(np.float32)
     return _Explanation(fit.model, fit.light, b, weights, scale, fit.energies, fit.converged)
@@ -407,6 +464,10 @@ def _cues_of(
         isometry=isometry,
         cells=cells,
     )
+
+
+def _has_several_points(model: LightModel) -> TypeGuard[PointLights]:
+    return isinstance(model, PointLights) and model.count > 1
 
 
 def _one_point_lights(found: _Explanation) -> Float[np.ndarray, "F 3"] | None:

@@ -1,6 +1,6 @@
 """Photographs of a still object as one matrix, images by pixels, checked at the door."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Num
@@ -42,6 +42,16 @@ class ImageStack:
     ) -> Num[np.ndarray, "H W *channels"]:
         """Return values of the pixels as a picture, the background filled."""
         return picture(values, self.mask, background)
+
+
+def spread_images(stack: ImageStack, most: int) -> ImageStack:
+    """Return at most so many images, spread over all."""
+    if len(stack.values) <= most:
+        return stack
+    some = np.linspace(0, len(stack.values) - 1, most).astype(int)
+    return replace(
+        stack, values=stack.values[some], seen=stack.seen[some], usable=stack.usable[some]
+    )
 
 
 def picture(

@@ -14,12 +14,12 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_erosion
 
 from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over, spread_to_nearest
-from harmface.stereo.confidence import ambiguity_error, noise_error
+from harmface.stereo.confidence import ambiguity_error, beside_neighbours, noise_error
 from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
 from harmface.stereo.exact_second_order import EXACT, exact_second_order
 from harmface.stereo.factorization import chunks, factorize, interleaved
 from harmface.stereo.first_order import FirstOrder, first_order
-from harmface.stereo.homogeneous import scaled_normal_images
+from harmface.stereo.homogeneous import directions_of, scaled_normal_images
 from harmface.stereo.integrable_fit import of_one_surface
 from harmface.stereo.light_models import HarmonicLight, LightModel, Mapped, PointLights, is_single
 from harmface.stereo.lorentz import NullCone, fit_null_cone
@@ -153,14 +153,15 @@ def recover(
     if b[:, 2].sum() < 0:
         rows, b = -rows, -b
     noise = noise_error(stack.values, model, light, raw, weights)
-    expected = np.hypot(noise, ambiguity_error(cues, rows, extended))
+    systematic = ambiguity_error(cues, rows, extended)
     if settled is not None:
         bent = spread_to_nearest(settled.truncation_error[:blocks], coarse.mask, stack.mask, factor)
-        expected = np.hypot(expected, bent)
-    expected = np.minimum(expected, 90.0)
+        systematic = np.hypot(systematic, bent)
     if smoothness is not None and fit is not None:
         b = _of_one_surface(stack, model, light, rows, b, weights, smoothness)
     b, convexity = _convex(b, stack.mask, known)
+    noise = beside_neighbours(directions_of(b), stack.mask, noise)
+    expected = np.minimum(np.hypot(noise, systematic), 90.0)
     return Recovered(
         "refined" if fit is not None else ("first order", "second order")[order - 1],
         b / np.linalg.norm(b, axis=1).max(),

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.stats import spearmanr
 
 from harmface.errors import ArgumentError
 from harmface.stereo import (
@@ -11,8 +12,14 @@ from harmface.stereo import (
     without_lorentz,
     without_rotation,
 )
-from harmface.stereo.confidence import ambiguity_error, confidence_of, noise_error
+from harmface.stereo.confidence import (
+    ambiguity_error,
+    beside_neighbours,
+    confidence_of,
+    noise_error,
+)
 from harmface.stereo.cues import Cues
+from harmface.stereo.homogeneous import directions_of
 from harmface.stereo.light_models import PointLights
 from harmface.stereo.lorentz import lorentz_transformation
 from harmface.stereo.per_pixel import fit_normals
@@ -81,6 +88,31 @@ def test_noise_error_is_the_spread_of_repeated_fits(ball, single_lights):
     # 2000 draws know a root mean square to 1.6 %; dark observations carry noise but no slope, and
     # so do not enter the covariance.
     assert abs(told / spread - 1) < 0.1
+
+
+@pytest.mark.parametrize("spread", [3.0, 6.0])
+def test_neighbours_show_which_normals_noise_has_moved(hills, rng, spread):
+    noise = np.full(len(hills.normals), spread)
+    moved = directions_of(
+        hills.normals + np.radians(spread / np.sqrt(2)) * rng.standard_normal(hills.normals.shape)
+    )
+    errors = angular_errors(moved, hills.normals)
+    told = beside_neighbours(moved, hills.mask, noise)
+    assert spearmanr(told, errors).statistic > 0.65
+    assert np.sqrt((told**2).mean()) == pytest.approx(np.sqrt((errors**2).mean()), rel=0.1)
+
+
+def test_rough_surfaces_do_not_pass_for_noise(ball, rng):
+    rough = directions_of(ball.normals + 0.1 * rng.standard_normal(ball.normals.shape))
+    told = beside_neighbours(rough, ball.mask, np.full(len(rough), 0.2))
+    assert told == pytest.approx(0.2, rel=0.05)
+    assert not beside_neighbours(rough, ball.mask, np.zeros(len(rough))).any()
+
+
+def test_a_pixel_without_neighbours_keeps_its_noise():
+    mask = np.zeros((5, 5), bool)
+    mask[2, [0, 4]] = True
+    assert beside_neighbours(np.eye(3)[:2], mask, np.array([1.0, 2.0])) == pytest.approx([1, 2])
 
 
 def test_cues_that_say_more_leave_less_open(ball, single_lights):

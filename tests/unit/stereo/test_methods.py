@@ -19,7 +19,8 @@ from harmface.stereo import (
 )
 from harmface.stereo.cues import NOTHING, Knowledge, outline_of
 from harmface.stereo.light_models import HarmonicLight, PointLights
-from harmface.stereo.many_sources import POINTS, points_again
+from harmface.stereo.many_sources import MODEL, points_again
+from harmface.stereo.refinement import FIRST_IMAGES
 
 
 def error(b, scene):
@@ -90,7 +91,7 @@ def test_several_sources_are_not_taken_for_one(ball, several_sources, rng):
     start = ball.b + 0.05 * rng.standard_normal(ball.b.shape)
     known = Knowledge(outline_of(ball.mask))
     found = refine(ball.stack(several_sources), start, known, pixels=200)
-    assert found.model == PointLights(POINTS, ambient=True)
+    assert found.model == PointLights(MODEL.count, ambient=True)
     on = (found.model.points(found.light) != 0).any(axis=2).sum(axis=1)
     assert np.median(on) == 2
     assert error(found.b, ball) < 1
@@ -100,14 +101,18 @@ def test_light_all_around_may_be_brighter_above(ball, several_sources):
     """Taken for uniform, it takes four points to explain it, which shear the surface."""
     known = Knowledge(outline_of(ball.mask))
     images = several_sources + np.array([0.1, 0.25, 0.1]) @ ball.b.T
-    found = refine(ball.stack(images), ball.b, known, pixels=200)
-    on = (found.model.points(found.light) != 0).any(axis=2).sum(axis=1)
-    assert np.median(on) == 2
-    assert found.model.gradient(found.light).any(axis=1).mean() > 0.8
-    assert error(found.b, ball) < 3
+    errors = []
+    for seed in range(3):
+        found = refine(ball.stack(images), ball.b, known, pixels=200, rng=seed)
+        on = (found.model.points(found.light) != 0).any(axis=2).sum(axis=1)
+        assert np.median(on) == 2
+        assert found.model.gradient(found.light).any(axis=1).mean() > 0.8
+        errors.append(error(found.b, ball))
+    # The pixels drawn make it 1 to 3.
+    assert np.median(errors) < 3
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, 1, 2, 6])
 def test_a_sheared_start_does_not_shear_the_light(ball, several_sources, seed):
     known = Knowledge(outline_of(ball.mask))
     sheared = ball.b @ np.transpose([[1, 0, 0], [0, 1, 0], [0.3, -0.2, 0.8]])
@@ -120,7 +125,8 @@ def test_points_found_anew_are_kept_only_if_they_explain_more(ball, several_sour
         fit = points_again(*args, gradient=gradient)
         return replace(fit, light=fit.light[::-1])
 
-    stack, known = ball.stack(several_sources), Knowledge(outline_of(ball.mask))
+    # No more than are searched first: others would follow, and mend it.
+    stack, known = ball.stack(several_sources[:FIRST_IMAGES]), Knowledge(outline_of(ball.mask))
     residual = refine(stack, ball.b, known, pixels=200).residual
     monkeypatch.setattr("harmface.stereo.refinement.points_again", astray)
     found = refine(stack, ball.b, known, pixels=200)

@@ -3,6 +3,7 @@ import pytest
 
 from harmface.errors import ArgumentError
 from harmface.stereo import image_stack
+from harmface.stereo.stack import spread_images
 
 RNG = np.random.default_rng(3)
 IMAGES = RNG.uniform(0.1, 1.0, (6, 5, 7))
@@ -53,3 +54,12 @@ def test_dark_and_saturated_pixels_are_known():
 
 def test_precision_is_kept():
     assert image_stack(IMAGES.astype(np.float32)).values.dtype == np.float32
+
+
+@pytest.mark.parametrize("most", [2, 5, 7, 100])
+def test_spread_images_reach_from_the_first_to_the_last(most):
+    images = np.concatenate([IMAGES] * 7)[:40]
+    stack = image_stack(images)
+    some = spread_images(stack, most)
+    assert len(some.values) == min(most, len(images)) == len(some.seen) == len(some.usable)
+    assert np.array_equal(some.values[[0, -1]], stack.values[[0, -1]])
