@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 from harmface import checks
 from harmface.stereo.cells import cells_of
 from harmface.stereo.cues import NOTHING, Cues, Knowledge
-from harmface.stereo.gauge import best_linear, best_lorentz, best_of, reliefs, shifted
+from harmface.stereo.gauge import best_linear, best_lorentz, best_of_families, reliefs, shifted
 from harmface.stereo.inflation import inflated_normals
 from harmface.stereo.integrability import integrable_rows, integrable_start, isometric_rows
 from harmface.stereo.lorentz import METRIC, NullCone, fit_null_cone
@@ -89,13 +89,11 @@ def first_order(
         # Of means over blocks, only these are linear in the structure.
         shown, best = vectors, lorentz
     else:
-        # Each family of candidates is improved by itself: the many of one would crowd out the
-        # single one of another.
         unit = rows / np.linalg.norm(rows, axis=1, keepdims=True)
         leading = _of_three_dimensions(structure, mask, knowledge)
         three = np.linalg.lstsq(shown.T, leading, rcond=None)[0].T
         families = [[lorentz], [blown], [three], reliefs(unit)]
-        best = min((best_of(cues, each, shifted, 12) for each in families), key=cues.cost)
+        best = best_of_families(cues, families, shifted, 12)
     return FirstOrder(cone, vectors, shown.T @ best.T, cues.cost(best))
 
 

@@ -100,12 +100,8 @@ def best_linear(cues: Cues, starts: Iterable[Rows]) -> Rows:
         Maps to begin with; bas-relief transformations of each, and of its concave counterpart,
         are tried as well.
     """
-    found = [
-        best_of(cues, reliefs(rows), shifted, rows.size)
-        for start in starts
-        for rows in (start, CONCAVE @ start)
-    ]
-    return min(found, key=cues.cost)
+    families = [reliefs(rows) for start in starts for rows in (start, CONCAVE @ start)]
+    return best_of_families(cues, families, shifted, families[0][0].size)
 
 
 def reliefs(rows: Rows) -> list[Rows]:
@@ -121,8 +117,19 @@ def reliefs(rows: Rows) -> list[Rows]:
 
 def best_of(cues: Cues, tried: list[Rows], move: Move, parameters: int) -> Rows:
     """Return the best of the members tried, the most promising ones improved."""
-    best = np.argsort(cues.costs(np.stack(tried)), kind="stable")[:IMPROVED]
-    trials = (improved(cues, tried[k], move, parameters, TRIAL_STEPS) for k in best)
+    return best_of_families(cues, [tried], move, parameters)
+
+
+def best_of_families(cues: Cues, families: list[list[Rows]], move: Move, parameters: int) -> Rows:
+    """Return the best member of all, the most promising ones of each family improved.
+
+    The many of one family would crowd out the single one of another.
+    """
+    trials = [
+        improved(cues, tried[k], move, parameters, TRIAL_STEPS)
+        for tried in families
+        for k in np.argsort(cues.costs(np.stack(tried)), kind="stable")[:IMPROVED]
+    ]
     return improved(cues, min(trials, key=cues.cost), move, parameters)
 
 

@@ -123,7 +123,8 @@ class PointLights:
         """Return the sum of the points above the horizon, and `a b / |b| + g`."""
         points = self.points(light)
         lit = np.tensordot(points, b.T, axes=1) > 0
-        slope = np.einsum("fnp,fni->fpi", lit.astype(b.dtype), points)
+        # A product an image: einsum takes fifteen times as long.
+        slope = lit.astype(b.dtype).swapaxes(1, 2) @ points
         if self.ambient:
             length = np.maximum(np.linalg.norm(b, axis=1, keepdims=True), np.finfo(b.dtype).tiny)
             slope += light[:, -1:, None] * (b / length) + self.gradient(light)[:, None]

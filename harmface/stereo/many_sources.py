@@ -39,9 +39,9 @@ FINE = 300
 ALTERNATIONS = 10
 """Times that dense light and structure are fitted in turn."""
 
-PRICES = (1.0, 4.0)
-"""Prices of a direction, in deviations of the noise: the lower parts points that are near, the
-higher is not misled by what the structure still lacks."""
+PRICE = 4.0
+"""Price of a direction, in deviations of the noise: what the structure still lacks misleads lower
+ones."""
 
 PRUNINGS = 3
 """Times that points too many are left out: each lets the structure show more of them. Before the
@@ -59,9 +59,9 @@ TRIAL_STEPS = 30
 REWEIGHTED_STEPS = 25
 """Steps after each reweighting, once it was chosen."""
 
-MORE_POINTS = 0.1
+MORE_POINTS = 0.3
 """Misfit by which several points must be better than one: while the linear map is wrong, points
-that are not there gain 0.05 over it; true ones gain 0.5 and more."""
+that are not there gain up to 0.13 over it; true ones gain 1.9 and more."""
 
 SMALL = 1e-4
 """Residual, relative to the mean image, that counts as none."""
@@ -170,7 +170,7 @@ def points_of_more(
     """
     left = _left_by_dense_light(values, seen, b, gradient)
     weights = seen_weights(left, seen, least=SMALL)
-    light = _gathered(values, b, left, weights, PRICES[-1:], gradient)
+    light = _gathered(values, b, left, weights, gradient)
     for _ in range(LATE_PRUNINGS):
         fit = _pruned(values, seen, light, b)
         light, b = fit.light, fit.b
@@ -249,7 +249,7 @@ def _points(
     and structure descend together, as in [BSR17]_.
     """
     weights = seen_weights(left, seen, least=SMALL)
-    light = _gathered(values, b, left, weights, PRICES, gradient)
+    light = _gathered(values, b, left, weights, gradient)
     return _jointly(values, MODEL, light, b, weights, STEPS)
 
 
@@ -289,7 +289,6 @@ def _gathered(
     b: Float[np.ndarray, "p 3"],
     left: Float[np.ndarray, "F p"],
     weights: Float[np.ndarray, "F p"],
-    prices: tuple[float, ...],
     gradient: bool,
 ) -> Float[np.ndarray, "F q"]:
     """Return for each image the points that dense light gathers around."""
@@ -298,15 +297,11 @@ def _gathered(
     # Observations of little weight are replaced by what was expected of them, so that all
     # images share their normal equations.
     filled = values - (1 - weights) * left
-    fits = []
-    for price in prices:
-        spread = fit_dense_light(filled, dense, b, price=price * scale, gradient=gradient)
-        light = points_of(spread, dense, b, MODEL.count)
-        if gradient:
-            MODEL.gradient(light)[:] = (filled - MODEL.predict(light, b)) @ np.linalg.pinv(b).T
-        fits.append(fit_light(values, MODEL, light, b, weights))
-    lights, left_by = (np.stack(each) for each in zip(*fits, strict=True))
-    return np.asarray(lights[left_by.argmin(axis=0), np.arange(len(values))])
+    spread = fit_dense_light(filled, dense, b, price=PRICE * scale, gradient=gradient)
+    light = points_of(spread, dense, b, MODEL.count)
+    if gradient:
+        MODEL.gradient(light)[:] = (filled - MODEL.predict(light, b)) @ np.linalg.pinv(b).T
+    return fit_light(values, MODEL, light, b, weights)[0]
 
 
 def _one_point(
