@@ -33,10 +33,8 @@ misses bends what they judge: 1 to 3 under single sources, 2 to 8 under several.
 POOLED = 2
 """Observations that the noise of all pixels counts for in that of each."""
 
-
 VICINITY = 4.0
 """Pixels within which the roughness of a surface is alike: standard deviation of the window."""
-
 
 BESIDE = (4 / 6, -1 / 6)
 """Weights of both neighbours one and two pixels off on a line, that foretell cubics."""

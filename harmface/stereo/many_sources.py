@@ -60,8 +60,8 @@ REWEIGHTED_STEPS = 25
 """Steps after each reweighting, once it was chosen."""
 
 MORE_POINTS = 0.3
-"""Misfit by which several points must be better than one: while the linear map is wrong, points
-that are not there gain up to 0.13 over it; true ones gain 1.9 and more."""
+"""Misfit by which several points must be better than one or smooth light: while the linear map
+is wrong, points that are not there gain up to 0.13 over one; true ones gain 1.9 and more."""
 
 SMALL = 1e-4
 """Residual, relative to the mean image, that counts as none."""
