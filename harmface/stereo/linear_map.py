@@ -36,11 +36,15 @@ def nearest_linear_map(
     white = structure @ whitening
     weight = 1 / np.maximum((white**2).sum(axis=1), np.finfo(np.float64).tiny)
     size = white.shape[1]
+    # Products that no round changes.
+    of_white = (white[:, :, None] * white[:, None, :]).reshape(len(white), -1)
+    of_normals = (normals[:, :, None] * normals[:, None, :]).reshape(len(normals), -1)
     sine, least = np.zeros(len(normals)), np.inf
     for done in range(2 * ROUNDS):
-        across = (1 - sine)[:, None, None] * np.eye(3) - normals[:, :, None] * normals[:, None, :]
-        form = np.einsum("p,pij,pk,pl->ikjl", weight, across, white, white, optimize=True)
-        tried = np.linalg.eigh(form.reshape(3 * size, 3 * size))[1][:, 0].reshape(3, size)
+        across = np.outer(1 - sine, np.eye(3)) - of_normals
+        form = ((weight[:, None] * across).T @ of_white).reshape(3, 3, size, size)
+        form = form.swapaxes(1, 2).reshape(3 * size, 3 * size)
+        tried = np.linalg.eigh(form)[1][:, 0].reshape(3, size)
         mapped = white @ tried.T
         weight = 1 / np.maximum((mapped**2).sum(axis=1), np.finfo(np.float64).tiny)
         sines = 1 - (mapped * normals).sum(axis=1) ** 2 * weight
