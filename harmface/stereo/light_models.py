@@ -214,6 +214,11 @@ def has_one_point(model: LightModel) -> TypeGuard[PointLights]:
     return isinstance(model, PointLights) and model.count == 1
 
 
+def has_several_points(model: LightModel) -> TypeGuard[PointLights]:
+    """Return whether light may come from several points in each image."""
+    return isinstance(model, PointLights) and model.count > 1
+
+
 def is_single(model: LightModel) -> bool:
     """Return whether light comes from one point in each image, and nowhere else."""
     return has_one_point(model) and not model.ambient

@@ -111,7 +111,7 @@ def many_sources(
     rough = _points(values, seen, under_dense, left)
     left = values - rough.model.predict(rough.light, rough.b)
     points = _points(values, seen, rough.b, left)
-    points = _pruned(values, seen, points.light, points.b)
+    points = _pruned(values, seen, points.light, points.b, 1)
     others = [_one_point(values, seen, points.b), _smooth(values, seen, second_order)]
 
     best = min(
@@ -145,9 +145,7 @@ def points_again(
         Whether the light all around may have a gradient.
     """
     fit = _points(values, seen, b, left, gradient=gradient)
-    for _ in range(PRUNINGS):
-        fit = _pruned(values, seen, fit.light, fit.b)
-    return fit
+    return _pruned(values, seen, fit.light, fit.b, PRUNINGS)
 
 
 def points_of_more(
@@ -161,20 +159,15 @@ def points_of_more(
 
     Parameters
     ----------
-    values, seen
-        As in `many_sources`.
+    values, seen, gradient
+        As in `points_again`.
     b
         Scaled normals that other images settled.
-    gradient
-        Whether the light all around may have a gradient.
     """
     left = _left_by_dense_light(values, seen, b, gradient)
     weights = seen_weights(left, seen, least=SMALL)
     light = _gathered(values, b, left, weights, gradient)
-    for _ in range(LATE_PRUNINGS):
-        fit = _pruned(values, seen, light, b)
-        light, b = fit.light, fit.b
-    return fit
+    return _pruned(values, seen, light, b, LATE_PRUNINGS)
 
 
 def under_dense_light(
@@ -258,13 +251,17 @@ def _pruned(
     seen: Bool[np.ndarray, "F p"],
     light: Float[np.ndarray, "F q"],
     b: Float[np.ndarray, "p 3"],
+    times: int,
 ) -> ManySources:
     """Return what is left without the points that are not needed, and the structure it shows."""
-    left = values - MODEL.predict(light, b)
-    weights = seen_weights(left, seen, least=SMALL)
-    price = 3 * np.log(len(b)) * _scale(left[seen]) ** 2
-    light = fewest_points(values, MODEL, light, b, weights, price)
-    return _jointly(values, MODEL, light, b, weights, STEPS)
+    for _ in range(times):
+        left = values - MODEL.predict(light, b)
+        weights = seen_weights(left, seen, least=SMALL)
+        price = 3 * np.log(len(b)) * _scale(left[seen]) ** 2
+        light = fewest_points(values, MODEL, light, b, weights, price)
+        fit = _jointly(values, MODEL, light, b, weights, STEPS)
+        light, b = fit.light, fit.b
+    return fit
 
 
 def _scale(residual: Float[np.ndarray, "n"]) -> float:

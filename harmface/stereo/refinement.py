@@ -17,7 +17,6 @@ is about right, for in a sheared frame a few points too many hide that uniform l
 """
 
 from dataclasses import dataclass, replace
-from typing import TypeGuard
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -51,6 +50,7 @@ from harmface.stereo.light_models import (
     LightModel,
     PointLights,
     has_one_point,
+    has_several_points,
     uniform_share,
 )
 from harmface.stereo.lorentz import nearest_lorentz
@@ -184,7 +184,7 @@ def refine(
     few = spread_images(stack, FIRST_IMAGES)
     found, transformation, equal, isometry = _found(few, start, knowledge, some, rng)
     if few is not stack:
-        if _has_several_points(found.model):
+        if has_several_points(found.model):
             b = found.b @ transformation.T
             gradient = bool(found.model.gradient(found.light).any())
             found, transformation = _followed(stack, b, knowledge, some, gradient)
@@ -311,7 +311,7 @@ def _found(
     """
     found = _explained(stack, start, some)
     transformation, equal = _map_found(stack, found, start, knowledge, rng)
-    if not _has_several_points(found.model):
+    if not has_several_points(found.model):
         return found, transformation, equal, ISOMETRY
     found, transformation, isometry = min(
         (
@@ -464,10 +464,6 @@ def _cues_of(
         isometry=isometry,
         cells=cells,
     )
-
-
-def _has_several_points(model: LightModel) -> TypeGuard[PointLights]:
-    return isinstance(model, PointLights) and model.count > 1
 
 
 def _one_point_lights(found: _Explanation) -> Float[np.ndarray, "F 3"] | None:

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.ndimage import binary_erosion
 from scipy.spatial.transform import Rotation
 from scipy.stats import spearmanr
 
@@ -98,7 +99,13 @@ def test_neighbours_show_which_normals_noise_has_moved(hills, rng, spread):
     )
     errors = angular_errors(moved, hills.normals)
     told = beside_neighbours(moved, hills.mask, noise)
-    assert spearmanr(told, errors).statistic > 0.65
+    # Within the border four lines foretell a normal, with 0.94 / 4 of its variance: no more can be
+    # told than draws of two components tell with such draws added.
+    inner = binary_erosion(hills.mask, np.ones((5, 5)))[hills.mask]
+    own, beside = rng.standard_normal((2, 20_000, 2))
+    beside *= np.sqrt(0.94 / 4)
+    best = spearmanr(np.linalg.norm(own, axis=1), np.linalg.norm(own + beside, axis=1)).statistic
+    assert spearmanr(told[inner], errors[inner]).statistic == pytest.approx(best, abs=0.05)
     assert np.sqrt((told**2).mean()) == pytest.approx(np.sqrt((errors**2).mean()), rel=0.1)
 
 
