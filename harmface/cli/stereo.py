@@ -31,13 +31,14 @@ def stereo(
     mask: Annotated[
         Path | None,
         typer.Option(
-            help="Image that is white on the object; else *mask.* beside the photographs."
+            help="Image that is white on the object; else *mask.* beside the photographs, else "
+            "what stands out of a dark background."
         ),
     ] = None,
     method: Annotated[
         str,
         typer.Option(
-            help="4d or 9d (Basri-Jacobs, unknown light), refined (unknown light, further), or "
+            help="refined (unknown light), 4d or 9d (the same for matte objects, closed forms), or "
             "known-lights."
         ),
     ] = "refined",
@@ -45,7 +46,8 @@ def stereo(
         Path | None,
         typer.Option(
             help="Text file, a line an image: x y z to the light (x right, y up, z towards the "
-            "camera) and, if known, its intensity; else lights.txt in the folder."
+            "camera) and, if known, its intensity, which is estimated otherwise; else lights.txt "
+            "in the folder."
         ),
     ] = None,
     gamma: Annotated[
@@ -91,7 +93,7 @@ def stereo(
         surface_files,
         write_surface,
     )
-    from harmface.stereo import photometric_stereo
+    from harmface.stereo import object_mask, photometric_stereo
     from harmface.viz import stereo_figure, write_figure
 
     _require("--method", method, METHODS)
@@ -111,16 +113,23 @@ def stereo(
         raise ArgumentError(
             "--method known-lights needs --lights, or photographs whose names or folder tell them"
         )
+    notes = list(capture.notes)
+    seen = capture.mask
+    if seen is None:
+        seen = object_mask(capture.images)
+        if seen is not None:
+            notes.append(
+                f"no mask was given: the object is what stands out of a dark background, "
+                f"{seen.mean():.0%} of the picture; --mask says better"
+            )
     camera = None if focal is None else _camera(focal, capture.images.shape[1:])
     with progress("solving") as report:
         found = photometric_stereo(
             capture.images,
-            capture.mask,
+            seen,
+            method=method,
             light=capture.lights if known else None,
-            order=1 if method == "4d" else 2,
-            refine=method == "refined",
             symmetric=symmetric,
-            robust=known,
             saturated=capture.saturated,
             smoothness=smoothness,
             progress=report,
@@ -129,7 +138,7 @@ def stereo(
         facing = facing_camera(found.normals, found.mask, camera)
         depth = depth_least_squares(found.normals, facing, camera=camera)
         mesh = depth_to_mesh(depth, facing, found.albedo, camera)
-    notes = _notes(capture, found, known)
+    notes += _notes(capture, found, known)
     summary = {
         "images": len(capture.names),
         "pixels": int(found.mask.sum()),
@@ -154,6 +163,8 @@ def stereo(
         if isinstance(value, int | float | str) and not isinstance(value, bool):
             shown = f"{value:.4g}" if isinstance(value, float) else str(value)
             output.print(f"{name.replace('_', ' ')}: {shown}")
+    for cue in found.report.cues:
+        output.print(f"cue {cue.name}: {'believed' if cue.accepted else 'not believed'}")
     output.print(f"surface in {out}")
 
 
@@ -184,10 +195,10 @@ def _errors(capture: "Capture", found: "StereoResult") -> dict[str, float]:
 
 
 def _notes(capture: "Capture", found: "StereoResult", known: bool) -> list[str]:
-    """Return what the user should know of the photographs and the result."""
+    """Return what the user should know of the result."""
     from harmface.stereo import seems_upside_down
 
-    notes = [*capture.notes, *found.report.warnings]
+    notes = list(found.report.warnings)
     if capture.lights is not None and not known:
         notes.append("the directions of the lights are not used: --method known-lights does that")
     if known and seems_upside_down(found.normals, found.mask):

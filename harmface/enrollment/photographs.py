@@ -1,7 +1,6 @@
 """From photographs to recovered subjects, and to the photographs that were not taken."""
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -94,8 +93,7 @@ def from_stereo(
     if lights is not None:
         found = from_known_lights(photographs, np.full(len(photographs), "subject"), lights)
         return found["subject"]
-    order: Literal[1, 2] = 2 if len(photographs) >= 9 else 1
-    result = photometric_stereo(photographs, order=order, symmetric=symmetric)
+    result = photometric_stereo(photographs, symmetric=symmetric)
     normals = result.normals.copy()
     normals[..., 2] = np.maximum(normals[..., 2], GRAZING)
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)

@@ -25,11 +25,7 @@ from harmface.stereo import (
 
 SIZE = 48
 IMAGES = 64
-METHODS = {
-    "first order": {"order": 1, "refine": False},
-    "second order": {"order": 2, "refine": False},
-    "refined": {"order": 2, "refine": True},
-}
+METHODS = ("4d", "9d", "refined")
 
 
 @lru_cache(maxsize=1)
@@ -89,8 +85,8 @@ def normals() -> Measurement:
     for shape, (view, images) in _objects().items():
         truth = view.normals[view.mask]
         maps[shape] = [_as_picture(view.normals, view)]
-        for name, options in METHODS.items():
-            found = photometric_stereo(images, view.mask, **options)  # type: ignore[arg-type]
+        for name in METHODS:
+            found = photometric_stereo(images, view.mask, method=name)
             errors[name].append(float(angular_errors(found.normals[view.mask], truth).mean()))
             maps[shape].append(_as_picture(found.normals, view))
         for name, dimension in (("4-D", 4), ("9-D", 9)):
@@ -104,10 +100,10 @@ def normals() -> Measurement:
     bounds = ", ".join(f"{name} {np.median(each):.1f}" for name, each in oracles.items())
     return Measurement(
         [float(np.median(values)) for values in errors.values()],
-        "Mean angular errors in degrees, first order / second order / refined, in "
+        "Mean angular errors in degrees, 4d / 9d / refined, in "
         f"{IMAGES} images of {SIZE} x {SIZE}: {listed}. The oracle, the best linear map from the "
         f"images' space to the true scaled normals, has a median of {bounds}.",
-        {"Normals: truth, first order, second order, refined.": _normals_figure(maps)},
+        {"Normals: truth, 4d, 9d, refined.": _normals_figure(maps)},
     )
 
 

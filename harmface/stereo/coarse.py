@@ -1,7 +1,7 @@
 """A smaller stack in which what all pixels share can be found quickly."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy.ndimage import distance_transform_edt
 
 from harmface.stereo.stack import ImageStack, picture
@@ -59,14 +59,26 @@ def spread_over(
     return structure.T @ rows
 
 
-def spread_to_nearest(
-    coarse: Float[np.ndarray, "c"],
-    coarse_mask: Bool[np.ndarray, "h w"],
+def nearest_blocks(
+    columns: Int[np.ndarray, "k"],
     mask: Bool[np.ndarray, "H W"],
+    coarse_mask: Bool[np.ndarray, "h w"],
     factor: int,
-) -> Float[np.ndarray, "p"]:
-    """Return for each pixel of a mask the value of its block, or of the nearest that is whole."""
+) -> Int[np.ndarray, "k"]:
+    """Return for pixels of a mask their block, or the nearest that is whole.
+
+    Parameters
+    ----------
+    columns
+        Index of the pixels among the masked ones.
+    mask, coarse_mask
+        Pixels, and blocks of them that are whole.
+    factor
+        Side of a block.
+    """
     row, column = distance_transform_edt(~coarse_mask, return_distances=False, return_indices=True)
     # Beyond the last whole block there may be a strip of pixels.
-    block = tuple(np.minimum(np.argwhere(mask) // factor, np.array(coarse_mask.shape) - 1).T)
-    return np.asarray(picture(coarse, coarse_mask)[row[block], column[block]])
+    last = np.array(coarse_mask.shape) - 1
+    block = tuple(np.minimum(np.argwhere(mask)[columns] // factor, last).T)
+    index = picture(np.arange(int(coarse_mask.sum())), coarse_mask, -1)
+    return np.asarray(index[row[block], column[block]])

@@ -2,6 +2,7 @@
 
 References
 ----------
+.. [BKY99] Belhumeur, Kriegman and Yuille, The Bas-Relief Ambiguity, IJCV 1999.
 .. [K76] Kabsch, A Solution for the Best Rotation to Relate Two Sets of Vectors, Acta
    Crystallographica 1976.
 """
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from scipy.optimize import least_squares
 
 from harmface import checks
 from harmface.errors import ArgumentError
@@ -101,3 +103,27 @@ def without_linear_map(
     better. See `nearest_linear_map`.
     """
     return directions_of(b @ nearest_linear_map(b, truth).T)
+
+
+def without_bas_relief(
+    normals: Float[np.ndarray, "p 3"], truth: Float[np.ndarray, "p 3"]
+) -> Float[np.ndarray, "p 3"]:
+    """Return the normals after the bas-relief transformation nearest to the truth ([BKY99]_).
+
+    `n ~ (s n_x + mu n_z, s n_y + nu n_z, lambda n_z)`, s = 1 or -1: what images of a surface under
+    distant lamps leave open.
+    """
+
+    def turned(numbers: Float[np.ndarray, "3"], sign: float) -> Float[np.ndarray, "p 3"]:
+        mu, nu, stretch = numbers
+        z = normals[:, 2]
+        found = [sign * normals[:, 0] + mu * z, sign * normals[:, 1] + nu * z, np.exp(stretch) * z]
+        return directions_of(np.stack(found, axis=1))
+
+    fits = [
+        (least_squares(lambda each, s=sign: (turned(each, s) - truth).ravel(), start), sign)
+        for sign in (1.0, -1.0)
+        for start in ((0, 0, -0.7), (0, 0, 0.0), (0, 0, 0.7))
+    ]
+    best, sign = min(fits, key=lambda each: float(each[0].cost))
+    return turned(best.x, sign)

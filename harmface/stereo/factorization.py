@@ -111,6 +111,17 @@ def factorize(values: Float[np.ndarray, "F p"], rank: int) -> Factorization:
     return Factorization(light, structure, singular, noise, kept)
 
 
+def leading_dimensions(values: Float[np.ndarray, "F p"]) -> Float[np.ndarray, "p 3"]:
+    """Return the first three singular vectors as scaled normals, the first towards the viewer.
+
+    Images are positive, so the first singular vector is of one sign. The three nearly span the
+    scaled normals.
+    """
+    first, second, third = factorize(values, 3).structure
+    b = np.stack([second, third, first * np.sign(first.sum())], axis=1)
+    return np.asarray(b / np.linalg.norm(b, axis=1).mean())
+
+
 def gram_matrix(values: Float[np.ndarray, "F p"]) -> tuple[Float[np.ndarray, "F F"], float]:
     """Return M M^T in float64, and the share of its largest eigenvalue that may be rounding.
 

@@ -1,45 +1,107 @@
-"""Search of a group of linear maps for the member that fits the cues.
+"""The gauge: which of the maps that images leave open gives the surface.
 
-What a factorisation leaves open is a group: the Lorentz transformations of harmonic structure
-(six numbers), or every linear map of scaled normals, which light that is general enough allows
-(nine). The cost is not convex, so many members are tried and the best few are improved.
+What a factorisation leaves open is a group: every linear map of scaled normals under point sources
+(nine numbers), or the Lorentz transformations of harmonic structure (six). Cues choose among them,
+see `cues`: the map is the one of least total cost. Integrability leaves a bas-relief family,
+`(b_x + mu b_z, b_y + nu b_z, lambda b_z)` ([BKY99]_), over which the search begins; then all
+numbers are improved together. A cue that does not hold at the result, by its own test, is left out
+and the search repeated.
+
+How far the answer is to be trusted is told by two things. The curvature of the cost at the optimum
+gives a covariance of the map. And the answers without each of the cues in turn, and at rival
+optima, show what depends on a single one.
 
 References
 ----------
-.. [M78] Moré, The Levenberg-Marquardt Algorithm: Implementation and Theory, 1978.
+.. [BKY99] Belhumeur, Kriegman and Yuille, The Bas-Relief Ambiguity, IJCV 1999.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
+from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from harmface import checks
-from harmface.stereo.cues import Cues
+from harmface.stereo.cues import Cue, Integrability, Rows, cost_of, scale_of
 from harmface.stereo.lorentz import lorentz_transformation
 
-Rows = Float[np.ndarray, "3 d"]
 Move = Callable[[Rows, Float[np.ndarray, "g"]], Rows]
-"""From rows and a small step in the group's parameters to the rows nearby."""
+"""From rows and a small step in the group's numbers to the rows nearby."""
+
+TILTS = np.linspace(-0.6, 0.6, 7)
+STRETCHES = np.exp(np.linspace(-0.8, 0.6, 6))
+"""Bas-relief transformations of a surface of mean slope zero and of spread one that are tried."""
+
+STARTS = 3
+"""Best members of a family that are improved."""
 
 TRIED = 300
-"""Members tried at random: neighbours are about 25 degrees apart for rotations."""
-
-IMPROVED = 4
-"""Best members of those tried that are improved."""
+"""Random members of the Lorentz group that are tried: neighbours are some 25 degrees apart."""
 
 RAPIDITY = 0.6
 """Spread of random boosts; 0.6 turns a normal across the boost by 33 degrees."""
 
-STEPS = 40
-TRIAL_STEPS = 15
-"""Steps after which it shows which of several members will be the best."""
+ROUNDS = 8
+FEW_ROUNDS = 2
+"""Times that scales and map are found in turn, and where a rough answer will do."""
 
-DIFFERENCE = 1e-6
+EVALUATIONS = 4
+"""Least-squares steps with the scales held."""
 
-CONCAVE = np.diag([-1.0, -1.0, 1.0])
+SETTLED = 0.01
+"""Fall of the cost that makes no difference: a likelihood ratio of one percent."""
+
+FEWEST_DRAWS = 8
+"""Maps drawn from the covariance at least."""
+
+RIVAL = 3.0
+"""Cost above the best up to which another optimum is as likely as one in twenty."""
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """What became of a cue.
+
+    Parameters
+    ----------
+    name
+        Of the cue.
+    scale
+        That was learned, in the unit of its residuals.
+    accepted
+        Whether its scale is one that it may have.
+    """
+
+    name: str
+    scale: float
+    accepted: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Gauge:
+    """The map that cues chose, and how sure it is.
+
+    Parameters
+    ----------
+    rows
+        T of `b = T v`.
+    cost
+        Of the accepted cues.
+    beliefs
+        What became of each cue.
+    covariance
+        Of the entries of T, by the curvature of the cost.
+    rivals
+        Maps chosen without each of the cues, and at other optima.
+    """
+
+    rows: Rows
+    cost: float
+    beliefs: tuple[Belief, ...]
+    covariance: Float[np.ndarray, "n n"]
+    rivals: tuple[Rows, ...]
 
 
 def boosted(rows: Rows, step: Float[np.ndarray, "6"]) -> Rows:
@@ -49,149 +111,185 @@ def boosted(rows: Rows, step: Float[np.ndarray, "6"]) -> Rows:
 
 def shifted(rows: Rows, step: Float[np.ndarray, "g"]) -> Rows:
     """Add a small matrix, relative to the size of the rows."""
-    return rows + step.reshape(rows.shape) * (np.linalg.norm(rows) / 3)
+    return np.asarray(rows + step.reshape(rows.shape) * (np.linalg.norm(rows) / 3))
 
 
-def best_lorentz(cues: Cues, starts: Iterable[Rows], rng: np.random.Generator | int) -> Rows:
-    """Return the last three rows of the Lorentz transformation that fits the cues.
+def total_cost(cues: Sequence[Cue], rows: Rows) -> float:
+    """Return the cost of a map: differences of a few units count."""
+    return sum(cost_of(cue, rows) for cue in cues)
+
+
+def choose_map(
+    cues: Sequence[Cue], families: Sequence[Sequence[Rows]], move: Move = shifted
+) -> Gauge:
+    """Return the map of least cost near some starts.
 
     Parameters
     ----------
     cues
-        Of null vectors (|b|, b).
-    starts
-        Rows of transformations to try too, from a closed form.
-    rng
-        Draws the members tried.
+        What is known.
+    families
+        Members of the group to start from. The most promising of each family are improved: the many
+        of one would crowd out the single one of another.
+    move
+        How the group is followed.
     """
-    rng = checks.generator(rng)
+    found = _optima(cues, families, move)
+    accepted = list(cues)
+    for _ in cues:
+        failed = [cue for cue in accepted if _scale(cue, found[0][1]) > cue.believable]
+        if not failed:
+            break
+        accepted = [cue for cue in accepted if cue not in failed]
+        found = _optima(accepted, families, move)
+    cost, rows = found[0]
+    rivals = [other for price, other in found[1:] if price < cost + RIVAL]
+    # What integrability says is not in question, and without it there is no surface.
+    for left_out in accepted:
+        if len(accepted) > 2 and not isinstance(left_out, Integrability):
+            others = [cue for cue in accepted if cue is not left_out]
+            rivals.append(improved(others, rows, move, FEW_ROUNDS)[1])
+    return Gauge(
+        rows,
+        cost,
+        tuple(Belief(cue.name, _scale(cue, rows), cue in accepted) for cue in cues),
+        _covariance(accepted, rows),
+        tuple(rivals),
+    )
+
+
+def bas_reliefs(rows: Rows, structure: Float[np.ndarray, "p d"]) -> list[Rows]:
+    """Return bas-relief transformations of a map.
+
+    They are spread about the one whose slopes have mean zero and spread one, by medians.
+    """
+    b = structure @ rows.T
+    rows = rows * np.array([1, 1, np.sign(b[:, 2].sum())])[:, None]
+    b = structure @ rows.T
+    towards = b[:, 2] > 1e-3 * np.linalg.norm(b, axis=1)
+    slopes = b[towards, :2] / b[towards, 2:]
+    middle = np.median(slopes, axis=0)
+    # The median length of the slopes of a hemisphere is one.
+    spread = np.median(np.linalg.norm(slopes - middle, axis=1))
+    level = np.array([[1, 0, -middle[0]], [0, 1, -middle[1]], [0, 0, spread]]) @ rows
+    return [
+        np.array([[1, 0, mu], [0, 1, nu], [0, 0, stretch]]) @ level
+        for stretch in STRETCHES
+        for mu in TILTS
+        for nu in TILTS
+    ]
+
+
+def lorentz_families(rng: np.random.Generator) -> list[list[Rows]]:
+    """Return the last three rows of random Lorentz transformations, and their negatives.
+
+    The frame that null vectors come in is of unknown parity.
+    """
     turns = Rotation.random(TRIED, random_state=rng).as_rotvec()
     parameters = np.concatenate([rng.normal(0, RAPIDITY, (TRIED, 3)), turns], axis=1)
-    tried = [lorentz_transformation(each)[1:] for each in parameters]
-    return best_of(cues, [*starts, *tried], boosted, 6)
+    members = [lorentz_transformation(each)[1:] for each in parameters]
+    return [members, [-rows for rows in members]]
 
 
-def best_rotation(
-    cues: Cues, frame: Float[np.ndarray, "3 3"], rng: np.random.Generator | int
-) -> Rows:
-    """Return the map that fits the cues, of those that turn or mirror a frame.
+def improved(
+    cues: Sequence[Cue], rows: Rows, move: Move = shifted, rounds: int = ROUNDS
+) -> tuple[float, Rows]:
+    """Return the cost and map that descent from a start reaches.
+
+    The scales, and the map for these scales, are found in turn: both lower the cost.
+    """
+    size = 6 if move is boosted else rows.size
+    cost = total_cost(cues, rows)
+    for _ in range(rounds):
+        scales = [_scale(cue, rows) for cue in cues]
+
+        def weighed(
+            step: Float[np.ndarray, "g"], from_rows: Rows = rows, by: list[float] = scales
+        ) -> Float[np.ndarray, "n"]:
+            trial = move(from_rows, step)
+            # The size of the map moves nothing, and is held.
+            grown = np.log(np.linalg.norm(trial) / np.linalg.norm(from_rows))
+            return np.concatenate([_flattened(cues, trial, by), [grown]])
+
+        fit = least_squares(weighed, np.zeros(size), max_nfev=EVALUATIONS, xtol=1e-4)
+        trial = move(rows, fit.x)
+        trial_cost = total_cost(cues, trial)
+        if not trial_cost < cost:
+            break
+        settled = cost - trial_cost < SETTLED
+        rows, cost = trial, trial_cost
+        if settled:
+            break
+    return cost, rows
+
+
+def spread_of_maps(gauge: Gauge, rng: np.random.Generator) -> Float[np.ndarray, "m 3 d"]:
+    """Return maps that are about as likely as the chosen one.
+
+    Half are drawn from the covariance, half are rivals, or all drawn if there are none.
 
     Parameters
     ----------
-    cues
-        Of structure of three dimensions.
-    frame
-        A map that is right but for a rotation or reflection.
+    gauge
+        The chosen map and its doubts.
     rng
-        Draws the rotations tried.
+        Draws the maps.
     """
-    turns = Rotation.random(TRIED, random_state=checks.generator(rng)).as_matrix()
-    return best_of(cues, [sign * turn @ frame for turn in turns for sign in (-1, 1)], shifted, 9)
+    variances, axes = np.linalg.eigh(gauge.covariance)
+    root = axes * np.sqrt(np.maximum(variances, 0))
+    draws = max(len(gauge.rivals), FEWEST_DRAWS)
+    steps = rng.standard_normal((draws, len(root))) @ root.T
+    drawn = [shifted(gauge.rows, step) for step in steps]
+    if not gauge.rivals:
+        return np.stack(drawn)
+    repeated = [gauge.rivals[k % len(gauge.rivals)] for k in range(draws)]
+    return np.stack(drawn + repeated)
 
 
-def best_linear(cues: Cues, starts: Iterable[Rows]) -> Rows:
-    """Return the linear map of structure that fits the cues, near some starts.
+def _optima(
+    cues: Sequence[Cue], families: Sequence[Sequence[Rows]], move: Move
+) -> list[tuple[float, Rows]]:
+    """Return the optima reached from the most promising starts, the best first."""
+    found = []
+    for family in families:
+        costs = np.array([total_cost(cues, rows) for rows in family])
+        best = np.argsort(costs, kind="stable")[:STARTS]
+        found += [improved(cues, family[k], move, FEW_ROUNDS) for k in best]
+    found.sort(key=lambda each: each[0])
+    # Those that lag far behind will not catch up.
+    near = [improved(cues, rows, move) for cost, rows in found if cost < found[0][0] + RIVAL]
+    return sorted(near, key=lambda each: each[0])
 
-    Parameters
-    ----------
-    cues
-        Of structure of three dimensions, or four.
-    starts
-        Maps to begin with; bas-relief transformations of each, and of its concave counterpart,
-        are tried as well.
+
+def _scale(cue: Cue, rows: Rows) -> float:
+    return scale_of(cue.residuals(rows), cue.floor)
+
+
+def _flattened(cues: Sequence[Cue], rows: Rows, scales: Sequence[float]) -> Float[np.ndarray, "n"]:
+    """Return numbers whose squares sum to the cost at fixed scales, but for a constant."""
+    parts = []
+    for cue, scale in zip(cues, scales, strict=True):
+        residuals = cue.residuals(rows)
+        ratio = residuals / scale
+        root = np.sqrt(np.log1p(ratio**2) * (cue.votes / len(ratio)))
+        parts.append(np.copysign(root, ratio))
+    return np.concatenate(parts)
+
+
+def _covariance(cues: Sequence[Cue], rows: Rows) -> Float[np.ndarray, "n n"]:
+    """Return the covariance of a relative change of the rows' entries.
+
+    Fisher's information of a Cauchy residual of scale s is `1 / (2 s^2)`. With the weights
+    `w = 1 / (1 + (r / s)^2)`, whose mean is a half, it is `votes / (s^2 n) sum w dr dr'`, and its
+    inverse is the covariance.
     """
-    families = [reliefs(rows) for start in starts for rows in (start, CONCAVE @ start)]
-    return best_of_families(cues, families, shifted, families[0][0].size)
-
-
-def reliefs(rows: Rows) -> list[Rows]:
-    """Return bas-relief transformations of rows that are known up to one."""
-    return [
-        sign * np.array([[1, 0, mu], [0, 1, nu], [0, 0, flatten]]) @ rows
-        for flatten in (0.4, 0.7, 1.0, 1.5, 2.5)
-        for mu in (-0.6, -0.3, 0.0, 0.3, 0.6)
-        for nu in (-0.6, -0.3, 0.0, 0.3, 0.6)
-        for sign in (-1, 1)
-    ]
-
-
-def best_of(cues: Cues, tried: list[Rows], move: Move, parameters: int) -> Rows:
-    """Return the best of the members tried, the most promising ones improved."""
-    return best_of_families(cues, [tried], move, parameters)
-
-
-def best_of_families(cues: Cues, families: list[list[Rows]], move: Move, parameters: int) -> Rows:
-    """Return the best member of all, the most promising ones of each family improved.
-
-    The many of one family would crowd out the single one of another.
-    """
-    trials = [
-        improved(cues, tried[k], move, parameters, TRIAL_STEPS)
-        for tried in families
-        for k in np.argsort(cues.costs(np.stack(tried)), kind="stable")[:IMPROVED]
-    ]
-    return improved(cues, min(trials, key=cues.cost), move, parameters)
-
-
-def improved(cues: Cues, rows: Rows, move: Move, parameters: int, steps: int = STEPS) -> Rows:
-    """Return the member that damped Gauss-Newton reaches ([M78]_), residuals reweighted."""
-    damping, cost = 1e-2, cues.cost(rows)
-    system = None
-    for _ in range(steps):
-        if system is None:
-            near = linearized(cues, rows, move, parameters)
-            system = near.curvature, near.slope @ near.pull
-        normal, right = system
-        ridge = damping * (np.diag(normal) + 1e-9 * np.trace(normal))
-        step = np.linalg.solve(normal + np.diag(ridge), -right)
-        # Steps of more than about 30 degrees leave the range of the linearisation.
-        step *= min(1.0, 0.5 / max(np.linalg.norm(step), np.finfo(np.float64).tiny))
-        trial = move(rows, step)
-        trial_cost = cues.cost(trial)
-        if trial_cost < cost:
-            settled = cost - trial_cost < 1e-3
-            rows, cost, system, damping = trial, trial_cost, None, max(damping / 5, 1e-9)
-            if settled:
-                break
-        else:
-            damping *= 6
-            if damping > 1e9:
-                break
-    return rows
-
-
-@dataclass(frozen=True, eq=False)
-class Linearized:
-    """Cues about a member, by the parameters of a move.
-
-    Parameters
-    ----------
-    slope
-        Derivatives of the residuals.
-    pull
-        Derivative of the cost by each residual: `w r / (1 + r^2)`.
-    weight
-        Of the squares that fall as the logarithms of the cost do: `w / (1 + r^2)`.
-    region
-        Where each residual comes from, see `Evidence`.
-    """
-
-    slope: Float[np.ndarray, "g r"]
-    pull: Float[np.ndarray, "r"]
-    weight: Float[np.ndarray, "r"]
-    region: Int[np.ndarray, "r"]
-
-    @property
-    def curvature(self) -> Float[np.ndarray, "g g"]:
-        """The second derivative of the cost, as Gauss and Newton have it."""
-        return np.asarray((self.slope * self.weight) @ self.slope.T)
-
-
-def linearized(cues: Cues, rows: Rows, move: Move, parameters: int) -> Linearized:
-    """Return how the cues change with a move."""
-    steps = DIFFERENCE * np.eye(parameters)
-    said = cues.evidence(np.stack([rows, *(move(rows, step) for step in steps)]))
-    residual = said.residual[0]
-    slope = (said.residual[1:] - residual) / DIFFERENCE
-    weight = said.weight / (1 + residual**2)
-    return Linearized(slope, weight * residual, weight, said.region)
+    step = 1e-6
+    moves = step * np.eye(rows.size)
+    curvature = np.eye(rows.size)
+    for cue in cues:
+        here = cue.residuals(rows)
+        scale = scale_of(here, cue.floor)
+        slope = np.stack([cue.residuals(shifted(rows, move)) - here for move in moves]) / step
+        weight = cue.votes / len(here) / scale**2 / (1 + (here / scale) ** 2)
+        curvature += (slope * weight) @ slope.T
+    return np.asarray(np.linalg.inv(curvature))

@@ -18,8 +18,8 @@ from harmface.stereo.per_pixel import fit_normals
 from harmface.stereo.robust import point_source_weights
 from harmface.stereo.robust_factorization import weighted_solve
 
-ROUNDS = 20
-"""Reweightings of the robust fit: residuals settle in about ten."""
+ROUNDS = 10
+"""Reweightings of the robust fit, in which residuals settle."""
 
 JUDGED = 6
 """Observations of a pixel from which outliers among them can be told: twice the unknowns. With

@@ -9,32 +9,46 @@ References
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from threadpoolctl import threadpool_limits
 
 from harmface import checks
 from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
-from harmface.stereo.confidence import beside_neighbours, confidence_of, noise_error
-from harmface.stereo.cues import KnownNormals
+from harmface.stereo.advice import doubts, relative_strengths
 from harmface.stereo.encoding import looks_gamma_encoded
 from harmface.stereo.factorization import chunks, factorize, interleaved
+from harmface.stereo.gauge import Belief
 from harmface.stereo.homogeneous import directions_of, scaled_normal_images
-from harmface.stereo.integrable_fit import of_one_surface
 from harmface.stereo.known_lights import (
     normals_from_coefficients,
     normals_from_directions,
     normals_from_few,
+    require_light_for_each,
     robust_weights,
 )
+from harmface.stereo.lamp_strengths import strengths_of
 from harmface.stereo.light_models import HarmonicLight, LightModel, is_single
 from harmface.stereo.result import Recovered, StereoReport, StereoResult
 from harmface.stereo.single_sources import SINGLE
 from harmface.stereo.stack import ImageStack, image_stack
-from harmface.stereo.unknown_light import harmonic_light, recover
+from harmface.stereo.surface import of_one_surface
+from harmface.stereo.uncertainty import (
+    MapError,
+    beside_neighbours,
+    confidence_of,
+    noise_error,
+    smoothed_noise,
+)
+from harmface.stereo.unknown_light import harmonic, harmonic_light, refined
+
+FEWEST_IMAGES = {"4d": 4, "9d": 9, "refined": 4, "known-lights": 3}
+"""Images that each method needs."""
+
+UNIT = 1e-3
+"""Departure from length one, by rounding in a file, of directions without strengths."""
 
 ENCODED = (
     "images look gamma-encoded: they come nearer to four dimensions when the sRGB curve is "
@@ -55,13 +69,10 @@ def photometric_stereo(
     images: Float[np.ndarray, "F H W"],
     mask: Bool[np.ndarray, "H W"] | None = None,
     *,
+    method: str = "refined",
     light: Float[np.ndarray, "F q"] | None = None,
-    order: Literal[1, 2] = 2,
-    refine: bool = True,
-    outline: bool | None = None,
     normals_known: Float[np.ndarray, "H W 3"] | None = None,
     symmetric: bool = False,
-    robust: bool = False,
     saturated: Bool[np.ndarray, "F H W"] | None = None,
     smoothness: float | None = None,
     rng: np.random.Generator | int = 0,
@@ -69,36 +80,33 @@ def photometric_stereo(
 ) -> StereoResult:
     """Return normals, albedo and light from photographs of a still, diffuse object.
 
-    With unknown light ([BJK07]_, [R05]_ 0.4.2) the first-order method starts, the second-order
-    method improves, and refinement fits physical light to every image and pixel. Without
-    refinement, light from points in a few images settles what harmonics leave vague.
+    With unknown light, images determine scaled normals up to a map ([BJK07]_, [R05]_ 0.4.2), and
+    cues choose the map: integrability, albedo, lamps of one strength, maxima of the shading,
+    highlights, the rim, and what objects look like. Each is tested, and the report says which were
+    believed.
 
     Parameters
     ----------
     images
-        Linear photographs of one channel, at least 4 (9 for order 2; 3 if light is known).
+        Linear photographs of one channel: at least 4, 9 for "9d", 3 if light is known.
     mask
         The object; everything if not given.
+    method
+        "refined": physical light and every pixel, shadows and highlights left out. "4d" and "9d":
+        the closed forms of degree 1 and 2, for matte objects under general light.
+        "known-lights": with `light`.
     light
-        If known: `(F, 3)` directions times irradiance, or `(F, K)` harmonic coefficients of
-        radiance with K = 4, 9, ...
-    order
-        Degree of the harmonic method, 1 (4-D) or 2 (9-D).
-    refine
-        Whether to go on to physical light.
-    outline
-        Whether the rim of the mask is an occluding outline, where normals lie in the image
-        plane; found out from the images if not given.
+        Of "known-lights": `(F, 3)` unit directions, whose strengths are then estimated; `(F, 3)`
+        directions times irradiance; or `(F, K)` harmonic coefficients of radiance, K = 4, 9, ...
     normals_known
-        Normals measured at a few pixels, zero vectors elsewhere. Of more than 300, so many are
-        used, spread over all.
+        For "refined": normals measured at a few pixels, zero vectors elsewhere. Of more than 300,
+        so many are used, spread over all.
     symmetric
-        Whether the object is symmetric about the vertical line through the middle of its mask.
-    robust
-        With known directions: whether highlights and cast shadows are to be expected.
+        For "refined": whether the object is symmetric about the vertical line through the middle
+        of its mask.
     saturated
         Which observations the camera clipped, in any of its channels; none if not given. Only the
-        harmonic methods cannot leave them out.
+        closed forms cannot leave them out.
     smoothness
         If given, refined normals, or those under known light, are fitted once more as those of one
         surface, see `fit_integrable`, whose slopes change by about 1 / smoothness from a pixel
@@ -108,70 +116,89 @@ def photometric_stereo(
     progress
         Called now and then with the share of the work that is done.
 
+    Returns
+    -------
+    StereoResult
+        Normals, albedo, lighting, expected errors in degrees, and the report.
+
     Raises
     ------
     ArgumentError
-        On too few images, images alike, an empty mask, NaN, light of the wrong number, or if
-        everything is saturated.
+        On an unknown method, arguments that it cannot use, too few images, images alike, an empty
+        mask, NaN, light of the wrong number, or if everything is saturated.
     """
-    if order not in (1, 2):
-        raise ArgumentError(f"order must be 1 or 2, got {order}")
-    if smoothness is not None and not 0 <= smoothness < np.inf:
-        raise ArgumentError(f"smoothness must be at least 0 and finite, got {smoothness}")
-    if smoothness is not None and light is None and not refine:
-        raise ArgumentError(
-            "smoothness needs refinement or known light; the first and second order alone are "
-            "linear in the images' dimensions"
-        )
+    _check_method(method, light, normals_known, symmetric, smoothness)
     rng = checks.generator(rng)
-    minimum = 3 if light is not None else (4, 9)[order - 1]
-    stack = image_stack(images, mask, minimum=minimum, saturated=saturated)
+    stack = image_stack(images, mask, minimum=FEWEST_IMAGES[method], saturated=saturated)
     stack = replace(stack, values=stack.values.astype(np.float64, copy=False))
-    if light is not None:
-        found = _under_known_light(stack, np.asarray(light), robust, smoothness, progress)
-    else:
-        measured = _known_normals(normals_known, stack.mask)
-        # Thousands of small products: more than one thread slows them by a third.
-        with threadpool_limits(1, user_api="blas"):
-            found = recover(
+    # Thousands of small products: more than one thread slows them by a third.
+    with threadpool_limits(1, user_api="blas"):
+        if method == "known-lights":
+            found = _under_known_light(stack, np.asarray(light), smoothness, progress)
+        elif method == "refined":
+            found = refined(
                 stack,
-                order=order,
-                refine=refine,
-                outline=outline,
-                normals=measured,
+                known_normals=_known_normals(normals_known, stack.mask),
                 symmetric=symmetric,
                 smoothness=smoothness,
                 rng=rng,
                 progress=progress,
             )
-    if saturated is not None:
-        said = _saturation(found, 1 - float(stack.seen.mean()))
-        found = replace(found, warnings=(*found.warnings, *said))
-    result = _result(stack, found)
+        else:
+            found = harmonic(stack, order=1 if method == "4d" else 2, rng=rng, progress=progress)
+    result = _result(stack, found, saturated is not None)
     progress(1.0)
     return result
+
+
+def _check_method(
+    method: str, light: object, normals: object, symmetric: bool, smoothness: float | None
+) -> None:
+    if method not in FEWEST_IMAGES:
+        raise ArgumentError(f"method must be one of {', '.join(FEWEST_IMAGES)}, got {method!r}")
+    if (light is not None) != (method == "known-lights"):
+        raise ArgumentError(
+            f"light must be given for the method 'known-lights' and for no other, got {method!r} "
+            f"{'with' if light is not None else 'without'} light"
+        )
+    if smoothness is not None and not 0 <= smoothness < np.inf:
+        raise ArgumentError(f"smoothness must be at least 0 and finite, got {smoothness}")
+    if smoothness is not None and method in ("4d", "9d"):
+        raise ArgumentError(
+            f"smoothness needs the method 'refined' or 'known-lights'; {method!r} is linear in the "
+            "images' dimensions"
+        )
+    if method != "refined" and (normals is not None or symmetric):
+        raise ArgumentError(
+            f"normals_known and symmetric serve the method 'refined' only, got {method!r}"
+        )
 
 
 def _under_known_light(
     stack: ImageStack,
     light: Float[np.ndarray, "F q"],
-    robust: bool,
     smoothness: float | None,
     progress: Callable[[float], None],
 ) -> Recovered:
     """Return every pixel fitted by itself, a share of them at a time to spare memory."""
     model: LightModel
+    beliefs: tuple[Belief, ...] = ()
     if light.ndim == 2 and light.shape[1] == 3:
-        model, method = SINGLE, "known directions"
+        model = SINGLE
+        light = checks.vectors("light", checks.finite("light", light)).astype(np.float64)
+        require_light_for_each("light", len(light), len(stack.values))
+        if np.allclose(np.linalg.norm(light, axis=1), 1, atol=UNIT) and len(light) > UNKNOWNS:
+            strengths, beliefs = strengths_of(stack, light)
+            light = light * strengths[:, None]
     elif light.ndim == 2 and light.shape[1] >= 4:
-        model, method = HarmonicLight(max_degree_of(light.shape[1])), "known coefficients"
+        model = HarmonicLight(max_degree_of(light.shape[1]))
     else:
         raise ArgumentError(
             "light must be (F, 3) directions or (F, K) harmonic coefficients with K = 4, 9, ..., "
             f"got shape {light.shape}"
         )
     pixels = stack.values.shape[1]
-    b, expected, few = np.empty((pixels, 3)), np.empty(pixels), np.empty(pixels, dtype=bool)
+    b, noise, few = np.empty((pixels, 3)), np.empty(pixels), np.empty(pixels, dtype=bool)
     kept = None if smoothness is None else np.empty(stack.values.shape, np.float32)
     parts = interleaved(pixels, 8 * len(stack.values))
     for number, some in enumerate(parts):
@@ -179,11 +206,11 @@ def _under_known_light(
         usable = stack.usable[:, some] if is_single(model) else seen
         few[some] = usable.sum(axis=0) < UNKNOWNS
         if is_single(model):
-            b[some], weights = _by_directions(values, light, usable, seen, robust)
+            b[some], weights = _by_directions(values, light, usable, seen)
         else:
             b[some] = normals_from_coefficients(values, light, usable=usable)
             weights = usable.astype(np.float64)
-        expected[some] = noise_error(values, model, light, b[some], weights)
+        noise[some] = noise_error(values, model, light, b[some], weights)
         if kept is not None:
             kept[:, some] = weights
         progress((number + 1) / len(parts))
@@ -194,10 +221,24 @@ def _under_known_light(
             "dark nor saturated: their normals are guesses",
         )
     if smoothness is not None and kept is not None:
-        b = of_one_surface(stack, model, light, b, kept, smoothness)
-    expected = beside_neighbours(directions_of(b), stack.mask, expected)
-    expected = np.where(few, 90.0, np.minimum(expected, 90.0))
-    return Recovered(method, b, expected, "light", warnings=warnings)
+        smooth = of_one_surface(stack, model, light, b, kept, smoothness)
+        noise = smoothed_noise(noise, b, smooth, stack.mask)
+        b = smooth
+    noise = beside_neighbours(directions_of(b), stack.mask, noise)
+    noise = np.where(few, 90.0, noise)
+    lamps = light if is_single(model) else None
+    name = "one point" if is_single(model) else "harmonic"
+    return Recovered(
+        "known-lights",
+        b,
+        noise,
+        None,
+        "light",
+        beliefs=beliefs,
+        light_model=name,
+        lamps=lamps,
+        warnings=warnings,
+    )
 
 
 def _by_directions(
@@ -205,40 +246,42 @@ def _by_directions(
     light: Float[np.ndarray, "F 3"],
     usable: Bool[np.ndarray, "F p"],
     seen: Bool[np.ndarray, "F p"],
-    robust: bool,
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
     """Return scaled normals, and how much each observation counted."""
-    b = normals_from_directions(values, light, usable=usable, robust=robust)
+    b = normals_from_directions(values, light, usable=usable, robust=True)
     few = usable.sum(axis=0) < UNKNOWNS
     if few.any():
         b[few] = normals_from_few(values[:, few], light, seen[:, few])
-    if robust:
-        return b, robust_weights(values, light @ b.T, usable)
-    return b, usable.astype(np.float64)
+    return b, robust_weights(values, light @ b.T, usable)
 
 
-def _saturation(found: Recovered, share: float) -> tuple[str, ...]:
+def _saturation(method: str, share: float) -> tuple[str, ...]:
     """Return what to say of the share of observations that are saturated."""
     if share <= MANY:
         return ()
-    if found.convexity == "light" or found.method == "refined":
-        return (f"{share:.0%} of the observations are saturated and were left out",)
-    return (
-        f"{share:.0%} of the observations are saturated: expose less, as what is clipped bends "
-        "the surface",
-    )
+    if method in ("4d", "9d"):
+        return (
+            f"{share:.0%} of the observations are saturated: expose less, as what is clipped bends "
+            "the surface",
+        )
+    return (f"{share:.0%} of the observations are saturated and were left out",)
 
 
-def _result(stack: ImageStack, found: Recovered) -> StereoResult:
+def _result(stack: ImageStack, found: Recovered, clipping_told: bool) -> StereoResult:
     length = np.linalg.norm(found.b, axis=1)
     # A pixel that no light reaches has no normal; towards the viewer is as good as any.
     dark = length <= 1e-9 * length.max()
     n = np.where(dark[:, None], (0.0, 0.0, 1.0), found.b / np.where(dark, 1.0, length)[:, None])
-    expected = np.where(dark, 90.0, found.expected)
+    of_map = MapError(np.zeros(len(n)), (0.0, 0.0), 0.0) if found.of_map is None else found.of_map
+    expected = np.minimum(np.hypot(found.noise, of_map.angle), 90.0)
+    expected = np.where(dark, 90.0, expected)
     lighting = harmonic_light(stack.values, found.b, 2)
     rank = min(9, *stack.values.shape)
     spectrum = factorize(stack.values, rank)
-    encoded = (ENCODED,) if looks_gamma_encoded(stack.values) else ()
+    warnings: tuple[str, ...] = (ENCODED,) if looks_gamma_encoded(stack.values) else ()
+    warnings += found.warnings + doubts(found)
+    if clipping_told:
+        warnings += _saturation(found.method, 1 - float(stack.seen.mean()))
     report = StereoReport(
         found.method,
         (float(spectrum.energy[min(3, rank - 1)]), float(spectrum.energy[rank - 1])),
@@ -248,12 +291,19 @@ def _result(stack: ImageStack, found: Recovered) -> StereoResult:
         found.light_model,
         _residual_share(stack.values, found.b, lighting),
         found.converged,
-        encoded + found.warnings,
+        float(np.median(found.noise)),
+        float(np.median(of_map.angle)),
+        of_map.tilt,
+        of_map.stretch,
+        found.beliefs,
+        None if found.lamps is None else relative_strengths(found.lamps),
+        warnings,
     )
     return StereoResult(
         stack.picture(n),
         stack.picture(length),
         lighting,
+        found.lamps,
         stack.picture(confidence_of(expected)),
         stack.picture(expected),
         stack.mask,
@@ -276,7 +326,8 @@ def _residual_share(
 
 def _known_normals(
     normals: Float[np.ndarray, "H W 3"] | None, mask: Bool[np.ndarray, "H W"]
-) -> KnownNormals | None:
+) -> tuple[Int[np.ndarray, "k"], Float[np.ndarray, "k 3"]] | None:
+    """Return columns of the stack at which normals were measured, and these."""
     if normals is None:
         return None
     normals = checks.vectors("normals_known", normals)
@@ -292,4 +343,4 @@ def _known_normals(
         )
     normals = checks.unit_vectors("normals_known", inside[pixels])
     some = np.linspace(0, len(pixels) - 1, min(len(pixels), MOST_KNOWN)).astype(int)
-    return KnownNormals(pixels[some], normals[some])
+    return pixels[some], normals[some]

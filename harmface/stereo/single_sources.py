@@ -98,6 +98,8 @@ def refitted(
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
     """Return the scaled normals of every pixel for sources found, and the observations' weights.
 
+    What is lit is judged by the start.
+
     Parameters
     ----------
     values, usable, start
@@ -105,8 +107,7 @@ def refitted(
     light
         Source of each image.
     """
-    b = normals_from_directions(values, light, usable=usable, robust=True)
-    lit = _lit(values, usable, light @ b.T)
+    lit = _lit(values, usable, light @ start.T)
     b = normals_from_directions(values, light, usable=lit, robust=True)
     return _where_seen(lit, b, start), point_source_weights(values, light @ b.T, lit)
 

@@ -1,4 +1,4 @@
-"""Structure from photographs under unknown light: the methods in their order.
+"""Surface normals from photographs under unknown light: structure, gauge, convexity, uncertainty.
 
 References
 ----------
@@ -8,58 +8,45 @@ References
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_erosion
 
-from harmface.stereo.coarse import coarse_factor, coarse_stack, spread_over, spread_to_nearest
-from harmface.stereo.confidence import ambiguity_error, beside_neighbours, noise_error
-from harmface.stereo.cues import Cues, Knowledge, KnownNormals, outline_of
-from harmface.stereo.exact_second_order import EXACT, exact_second_order
+from harmface.stereo.coarse import coarse_factor, coarse_stack, nearest_blocks, spread_over
+from harmface.stereo.cues import outline_of
 from harmface.stereo.factorization import chunks, factorize, interleaved
-from harmface.stereo.first_order import FirstOrder, first_order
+from harmface.stereo.gauge import Gauge, spread_of_maps
+from harmface.stereo.harmonic import EXACT, exact_second_order, first_order, second_order
 from harmface.stereo.homogeneous import directions_of, scaled_normal_images
-from harmface.stereo.integrable_fit import of_one_surface
-from harmface.stereo.light_models import HarmonicLight, LightModel, Mapped, PointLights, is_single
-from harmface.stereo.lorentz import NullCone, fit_null_cone
-from harmface.stereo.map_by_light import settled_by_light
-from harmface.stereo.measured import beside
-from harmface.stereo.per_pixel import fit_robustly
-from harmface.stereo.refinement import mapped, structure_of
-from harmface.stereo.refinement import refine as refined
+from harmface.stereo.light_models import HarmonicLight, Mapped, PointLights, is_single
+from harmface.stereo.lorentz import fit_null_cone
 from harmface.stereo.result import Recovered
-from harmface.stereo.second_order import second_order
-from harmface.stereo.single_sources import refitted
 from harmface.stereo.stack import ImageStack
+from harmface.stereo.structure import Knowledge, Measured, Structure, explain
+from harmface.stereo.surface import of_one_surface
+from harmface.stereo.uncertainty import beside_neighbours, map_error, noise_error, smoothed_noise
 
 Progress = Callable[[float], None]
-
-OUTLINE_PRICE = 3.0
-"""Most that a pixel on an outline may cost the cues if the outline is to be believed: about 1 on
-true outlines, 4 and more on the borders of reliefs."""
-
-WORSE = 0.05
-"""Rise of the cues' cost, for each pixel, beyond which a refinement is not believed: sound ones
-change it by -0.12 to 0.01, one led astray by highlights raised it by 0.25."""
 
 WEAK = 1e-3
 """Share of the first singular value below which a ninth dimension is of no use."""
 
+FEWEST_OF_RIM = 16
+"""Pixels below which an outline says nothing."""
 
-def recover(
+
+def refined(
     stack: ImageStack,
     *,
-    order: int,
-    refine: bool,
-    outline: bool | None,
-    normals: KnownNormals | None,
+    known_normals: tuple[Int[np.ndarray, "k"], Float[np.ndarray, "k 3"]] | None,
     symmetric: bool,
     smoothness: float | None,
     rng: np.random.Generator,
     progress: Progress,
 ) -> Recovered:
-    """Return the structure by the method of an order ([BJK07]_), refined or not.
+    """Return the surface whose light and albedo explain the photographs.
 
     What all pixels share is found on blocks of pixels, then every pixel follows.
 
@@ -67,183 +54,176 @@ def recover(
     ----------
     stack
         Photographs in float64.
-    order, refine, outline, symmetric, smoothness
+    known_normals
+        Columns of the stack at which normals were measured, and these.
+    symmetric, smoothness
         As in `photometric_stereo`.
-    normals
-        Normals measured at some pixels.
     rng
         Draws starting points and pixels.
     progress
         Called with the share of the work that is done.
     """
+    unit = float(stack.values.mean())
     factor = coarse_factor(stack.mask)
     coarse = coarse_stack(stack, factor)
-    blocks = coarse.values.shape[1]
-    measured = None
-    if normals is not None:
-        coarse, measured = beside(coarse, stack, normals)
-    known = Knowledge(None, measured, mirror_index(coarse.mask) if symmetric else None)
-    found = factorize(coarse.values, (4, 9)[order - 1])
-    structure = found.light.T @ stack.values
-    # Means over blocks lie inside the cone, so that of exact images is found from single pixels.
-    cone = fit_null_cone(structure[:4]) if 1 - found.energy[3] < EXACT else None
-    first, known = _first_order(found.structure[:4], coarse.mask, outline, known, cone, rng)
-    progress(0.1)
-    b = first.b
+    coarse = replace(coarse, values=coarse.values / unit)
+    knowledge = Knowledge(symmetric=symmetric)
+    if known_normals is not None:
+        columns, normals = known_normals
+        pixels = ImageStack(
+            stack.values[:, columns] / unit,
+            np.ones((1, len(columns)), bool),
+            stack.seen[:, columns],
+            stack.usable[:, columns],
+        )
+        near = nearest_blocks(columns, stack.mask, coarse.mask, factor)
+        knowledge = replace(knowledge, measured=Measured(pixels, near, normals))
+    found, gauge = explain(coarse, knowledge, rng)
+    progress(0.6)
+    found = replace(found, light=found.light * unit, residual=found.residual * unit)
+    if factor == 1:
+        raw, weights = found.b, found.weights
+    else:
+        space = factorize(coarse.values, min(9, *coarse.values.shape))
+        start = spread_over(found.b, space.structure, space.light.T @ stack.values / unit)
+        raw, weights = _every_pixel(stack, found, start, lambda done: progress(0.6 + 0.3 * done))
+    b = found.mapped(gauge.rows, raw)
+    noise = noise_error(stack.values, found.model, found.light, raw, weights)
+    warnings: tuple[str, ...] = ()
+    if smoothness is not None:
+        model, light = found.model, found.light
+        if isinstance(model, HarmonicLight):
+            light = harmonic_light(stack.values, b, model.degree)
+        else:
+            model = Mapped(model, np.linalg.inv(gauge.rows))
+        smooth = of_one_surface(stack, model, light, b, weights, smoothness)
+        noise = smoothed_noise(noise, b, smooth, stack.mask)
+        b = smooth
+    convex, how = _convex(b, stack.mask, known_normals is not None)
+    sources = None
+    if is_single(found.model):
+        sources = found.light @ np.linalg.inv(gauge.rows) * (convex, convex, 1)
+    return _recovered(
+        "refined",
+        b * (convex, convex, 1),
+        noise,
+        gauge,
+        found.numbers(raw),
+        stack.mask,
+        rng,
+        how,
+        light_model=_name_of(found),
+        converged=found.converged,
+        lamps=sources,
+        warnings=warnings,
+    )
+
+
+def harmonic(
+    stack: ImageStack, *, order: int, rng: np.random.Generator, progress: Progress
+) -> Recovered:
+    """Return the closed form of an order ([BJK07]_): 4-D or 9-D, linear in the dimensions.
+
+    Parameters
+    ----------
+    stack
+        Photographs in float64.
+    order
+        1 or 2.
+    rng
+        Draws starting points.
+    progress
+        Called with the share of the work that is done.
+    """
+    coarse = coarse_stack(stack, coarse_factor(stack.mask))
+    space = factorize(coarse.values, (4, 9)[order - 1])
+    structure = space.light.T @ stack.values
     warnings = []
-    if not first.cone.signature_held:
+    # Means over blocks lie inside the cone, so that of exact images is found from single pixels.
+    cone = fit_null_cone(structure[:4]) if 1 - space.energy[3] < EXACT else None
+    found = first_order(space.structure[:4], coarse.mask, noise=space.noise, rng=rng, cone=cone)
+    progress(0.3)
+    if not found.signature_held:
         warnings.append("the quadric of the first-order structure lost its signature")
-    exact = first.cone.exact
     if order == 2:
-        b = second_order(found.structure, coarse.mask, b, known).b
-        if 1 - found.energy[8] < EXACT:
-            starts = (b, first.b)
-            closed = exact_second_order(structure, found.structure, coarse.mask, starts, known, rng)
-            if closed is not None:
-                b, exact = closed, True
-        elif found.singular_values[8] < WEAK * found.singular_values[0]:
+        found = second_order(space.structure, coarse.mask, found, noise=space.noise)
+        if 1 - space.energy[8] < EXACT:
+            exact = exact_second_order(structure, space.structure, coarse.mask, found, rng)
+            found = found if exact is None else exact
+        elif space.singular_values[8] < WEAK * space.singular_values[0]:
             warnings.append(
                 "images have fewer than nine usable dimensions: the light is smooth or changes "
                 "little, so the second order adds little to the first"
             )
-        progress(0.3)
-    settled = None
-    if not exact and not refine:
-        settled = settled_by_light(coarse, found.structure, b, known, rng)
-    model: LightModel = HarmonicLight(order)
-    converged = None
-    fit = refined(coarse, b, known, rng=rng) if refine else None
-    progress(0.7)
-    if fit is not None and not is_single(fit.model):
-        turned = mapped(fit.transformation, fit.structure)
-        rise = cue_cost(turned, coarse.mask, known) - cue_cost(b, coarse.mask, known)
-        if rise > WORSE * len(b):
-            fit = None
-            warnings.append(
-                "refinement was set aside: its surface contradicts integrability, outline or "
-                "albedo more than the unrefined one; highlights or other light than points and a "
-                "uniform part may be the reason"
-            )
-    if fit is not None:
-        model, light, converged = fit.model, fit.light, fit.converged
-        rows, weights, cues = fit.transformation, fit.weights, fit.cues
-        raw = fit.structure[-3:].T
-        if factor == 1:
-            raw, weights = raw[:blocks], weights[:, :blocks]
-        else:
-            raw = spread_over(raw, found.structure, structure)
-            raw, weights = _refitted(
-                stack, model, light, raw, lambda done: progress(0.7 + 0.2 * done)
-            )
-        extended = structure_of(model, raw)
-        b = mapped(rows, extended)
-    else:
-        if settled is not None:
-            b = settled.scaled_normals(structure)
-            rows, cues = settled.fit.transformation, settled.fit.cues
-            extended = np.linalg.solve(rows, b.T)
-        else:
-            rows = np.linalg.lstsq(found.structure.T, b, rcond=None)[0].T
-            extended, b = structure, structure.T @ rows.T
-            cues = Cues(found.structure, coarse.mask, known, explain=order == 2)
-        raw = b
-        light = harmonic_light(stack.values, raw, order)
-        weights = np.broadcast_to(1.0, stack.values.shape)
-    by_light = fit if settled is None else settled.fit
-    if b[:, 2].sum() < 0:
-        rows, b = -rows, -b
-    noise = noise_error(stack.values, model, light, raw, weights)
-    systematic = ambiguity_error(cues, rows, extended)
-    if settled is not None:
-        bent = spread_to_nearest(settled.truncation_error[:blocks], coarse.mask, stack.mask, factor)
-        systematic = np.hypot(systematic, bent)
-    if smoothness is not None and fit is not None:
-        b = _of_one_surface(stack, model, light, rows, b, weights, smoothness)
-    b, convexity = _convex(b, stack.mask, known)
-    noise = beside_neighbours(directions_of(b), stack.mask, noise)
-    expected = np.minimum(np.hypot(noise, systematic), 90.0)
-    return Recovered(
-        "refined" if fit is not None else ("first order", "second order")[order - 1],
-        b / np.linalg.norm(b, axis=1).max(),
-        expected,
-        convexity,
-        signature_held=first.cone.signature_held,
-        light_model=None if by_light is None else _name_of(by_light.model),
-        converged=converged,
+    progress(0.8)
+    rows = np.linalg.lstsq(space.structure.T, found.b, rcond=None)[0].T
+    b = structure.T @ rows.T
+    towards = np.sign(b[:, 2].sum()) or 1.0
+    b = b * towards
+    model = HarmonicLight(order)
+    light = harmonic_light(stack.values, b, order)
+    noise = noise_error(stack.values, model, light, b, np.broadcast_to(1.0, stack.values.shape))
+    convex, how = _convex(b, stack.mask, False)
+    numbers = spread_over(found.numbers, space.structure, structure)
+    return _recovered(
+        ("4d", "9d")[order - 1],
+        b * (convex, convex, 1),
+        noise,
+        found.gauge,
+        numbers,
+        stack.mask,
+        rng,
+        how,
+        signature_held=found.signature_held,
         warnings=tuple(warnings),
     )
 
 
-def cue_cost(b: Float[np.ndarray, "c 3"], mask: Bool[np.ndarray, "H W"], known: Knowledge) -> float:
-    """Return how much scaled normals, as they are, contradict what is known of surfaces."""
-    scaled = b / np.linalg.norm(b, axis=1).max()
-    return Cues(np.ascontiguousarray(scaled.T), mask, known).cost(np.eye(3))
-
-
-def _first_order(
-    structure: Float[np.ndarray, "4 c"],
+def _recovered(
+    method: str,
+    b: Float[np.ndarray, "p 3"],
+    noise: Float[np.ndarray, "p"],
+    gauge: Gauge,
+    numbers: Float[np.ndarray, "p d"],
     mask: Bool[np.ndarray, "H W"],
-    outline: bool | None,
-    known: Knowledge,
-    cone: NullCone | None,
     rng: np.random.Generator,
-) -> tuple[FirstOrder, Knowledge]:
-    """Return the first-order structure, and what is known with the outline if it is believed."""
-    rim = outline_of(mask)
-    if outline is False or (outline is None and len(rim.pixels) < 16):
-        return first_order(structure, mask, known, cone=cone, rng=rng), known
-    knowing = replace(known, outline=rim)
-    with_rim = first_order(structure, mask, knowing, cone=cone, rng=rng)
-    if outline:
-        return with_rim, knowing
-    without = first_order(structure, mask, known, cone=cone, rng=rng)
-    if with_rim.cost - without.cost < OUTLINE_PRICE * len(rim.pixels):
-        return with_rim, knowing
-    return without, known
+    convexity: str,
+    *,
+    lamps: Float[np.ndarray, "F 3"] | None = None,
+    **found: Any,
+) -> Recovered:
+    """Return the result with its uncertainty."""
+    of_map = map_error(spread_of_maps(gauge, rng), gauge.rows, numbers)
+    noise = beside_neighbours(directions_of(b), mask, noise)
+    size = float(np.linalg.norm(b, axis=1).max())
+    return Recovered(
+        method,
+        b / size,
+        noise,
+        of_map,
+        convexity,
+        beliefs=gauge.beliefs,
+        lamps=None if lamps is None else lamps * size,
+        **found,
+    )
 
 
-def _refitted(
-    stack: ImageStack,
-    model: LightModel,
-    light: Float[np.ndarray, "F q"],
-    start: Float[np.ndarray, "p 3"],
-    progress: Progress,
+def _every_pixel(
+    stack: ImageStack, found: Structure, start: Float[np.ndarray, "p 3"], progress: Progress
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
     """Return every pixel fitted by itself, and the weights of its observations.
 
     A share of the pixels at a time, to hold no more than the weights beside the stack.
     """
     raw, weights = np.empty(start.shape), np.empty(stack.values.shape, np.float32)
-    parts = interleaved(len(start), 64 * len(light))
+    parts = interleaved(len(start), 64 * len(found.light))
     for number, some in enumerate(parts):
-        values = stack.values[:, some]
-        if is_single(model):
-            raw[some], weights[:, some] = refitted(
-                values, stack.usable[:, some], light, start[some]
-            )
-        else:
-            raw[some], weights[:, some] = fit_robustly(
-                values, stack.seen[:, some], model, light, start[some]
-            )
+        part = ImageStack(
+            stack.values[:, some], stack.mask, stack.seen[:, some], stack.usable[:, some]
+        )
+        raw[some], weights[:, some] = found.at(part, start[some])
         progress((number + 1) / len(parts))
     return raw, weights
-
-
-def _of_one_surface(
-    stack: ImageStack,
-    model: LightModel,
-    light: Float[np.ndarray, "F q"],
-    rows: Float[np.ndarray, "3 d"],
-    b: Float[np.ndarray, "p 3"],
-    weights: Float[np.ndarray, "F p"],
-    smoothness: float,
-) -> Float[np.ndarray, "p 3"]:
-    """Return scaled normals as those of one surface, under light that was found for `rows^-1 b`."""
-    if isinstance(model, HarmonicLight):
-        light = harmonic_light(stack.values, b, model.degree)
-    else:
-        model = Mapped(model, np.linalg.inv(rows))
-    return of_one_surface(stack, model, light, b, weights, smoothness)
 
 
 def harmonic_light(
@@ -258,37 +238,30 @@ def harmonic_light(
 
 
 def _convex(
-    b: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], known: Knowledge
-) -> tuple[Float[np.ndarray, "p 3"], str]:
-    """Return b, or its convex-concave counterpart, and what decided.
+    b: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], measured: bool
+) -> tuple[float, str]:
+    """Return the sign of x and y that makes the surface convex, and what decided.
 
-    (-x, -y, z) under light turned likewise makes the same images and is as integrable.
-    Measured normals and outlines tell the two apart; without them the rim is made to lean
-    outwards, as that of most objects does.
+    (-x, -y, z) under light turned likewise makes the same images and is as integrable. On an
+    outline normals lean outwards; without one the border of the mask is made to, as that of most
+    objects does.
     """
-    if known.normals is not None:
-        return b, "known normals"
-    if known.outline is not None:
-        return b, "outline"
+    if measured:
+        return 1.0, "known normals"
+    outline = outline_of(mask, inset=1)
+    n = directions_of(b)
+    if len(outline.pixels) >= FEWEST_OF_RIM:
+        lean = (n[outline.pixels, :2] * outline.outward).sum()
+        return (-1.0 if lean < 0 else 1.0), "outline"
     rows, columns = np.nonzero(mask)
-    rim = (mask & ~binary_erosion(mask, iterations=max(1, int(np.sqrt(mask.sum()) / 20))))[mask]
+    width = max(1, int(np.sqrt(mask.sum()) / 20))
+    rim = (mask & ~binary_erosion(mask, iterations=width))[mask]
     x, y = columns - columns.mean(), rows.mean() - rows
-    lean = ((b[:, 0] * x + b[:, 1] * y) / np.linalg.norm(b, axis=1).clip(min=1e-300))[rim].sum()
-    return (b * (-1, -1, 1) if lean < 0 else b), "assumed"
+    lean = (n[:, 0] * x + n[:, 1] * y)[rim].sum()
+    return (-1.0 if lean < 0 else 1.0), "assumed"
 
 
-def mirror_index(mask: Bool[np.ndarray, "H W"]) -> Int[np.ndarray, "p"]:
-    """Return the index of each pixel's mirror image about the mask's middle column, or -1."""
-    columns = np.flatnonzero(mask.any(axis=0))
-    index = np.full(mask.shape, -1)
-    index[mask] = np.arange(mask.sum())
-    rows, here = np.nonzero(mask)
-    there = columns[0] + columns[-1] - here
-    inside = (there >= 0) & (there < mask.shape[1])
-    return np.where(inside, index[rows, there.clip(0, mask.shape[1] - 1)], -1)
-
-
-def _name_of(model: LightModel) -> str:
-    if isinstance(model, PointLights):
-        return "points and uniform" if model.ambient else "one point"
+def _name_of(found: Structure) -> str:
+    if isinstance(found.model, PointLights):
+        return "points and uniform" if found.model.ambient else "one point"
     return "harmonic"

@@ -1,4 +1,4 @@
-"""The system of a depth against a direct solver; values and slopes: see test_integrable_fit."""
+"""The system of a depth against a direct solver; values and slopes: see test_surface."""
 
 import numpy as np
 from scipy.sparse import block_array, diags_array

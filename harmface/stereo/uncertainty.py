@@ -1,34 +1,29 @@
-"""How far the normals may be wrong, pixel by pixel.
+"""How far the normals may be wrong, pixel by pixel, and the surface as a whole.
 
 Two things make a normal wrong. Noise, and light that the model does not know, move each pixel by
 itself: the residuals of the pixel and the curvature of its own fit tell how far to expect, and
 its neighbours how far it was. And the linear map that the cues chose is sure in some directions
-and vague in others; an error in it moves all normals together, those across it most. At their
-optimum the cues of different regions of the picture pull in different directions, and how far that
-may move the map tells how vague it is; its covariance is carried to each normal.
-
-References
-----------
-.. [H67] Huber, The Behavior of Maximum Likelihood Estimates under Nonstandard Conditions, Fifth
-   Berkeley Symposium on Mathematical Statistics and Probability, 1967.
+and vague in others; an error in it moves all normals together. How vague it is, is told by maps
+that are as likely, see `gauge`.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import gaussian_filter
 
-from harmface.stereo.cues import ALONE, Cues
+from harmface.stereo.cues import Rows
 from harmface.stereo.factorization import chunks
-from harmface.stereo.gauge import Rows, linearized, shifted
+from harmface.stereo.homogeneous import directions_of
 from harmface.stereo.light_models import LightModel
 from harmface.stereo.stack import picture
 
 HALF_SURE = 5.0
 """Expected error, degrees, at which confidence is a half."""
 
-UNTOLD = 4.0
-"""Times by which the map errs more than the residuals of the cues tell, as light that the model
-misses bends what they judge: 1 to 3 under single sources, 2 to 8 under several."""
+SAMPLE = 2000
+"""Pixels that tell how the whole surface moves."""
 
 POOLED = 2
 """Observations that the noise of all pixels counts for in that of each."""
@@ -149,41 +144,94 @@ def _vicinity(
     return gaussian_filter(picture(values, mask), VICINITY, mode="constant")[mask] / count[mask]
 
 
-def ambiguity_error(
-    cues: Cues, rows: Rows, structure: Float[np.ndarray, "d p"]
-) -> Float[np.ndarray, "p"]:
-    """Return the standard deviation of each normal by the vagueness of the cues, degrees.
-
-    The covariance of T is Huber's ([H67]_), `H^-1 G H^-1`: H the second derivative of the cost,
-    G the sum of `g g'` over the regions of the picture, g the slope of the cost of one.
+@dataclass(frozen=True, eq=False)
+class MapError:
+    """How far the map may turn and stretch the whole surface.
 
     Parameters
     ----------
-    cues
-        That chose the rows.
+    angle
+        Expected error of each normal by it, degrees.
+    tilt
+        Of the whole surface about the x and the y axis, degrees.
+    stretch
+        Of its depth, relative.
+    """
+
+    angle: Float[np.ndarray, "p"]
+    tilt: tuple[float, float]
+    stretch: float
+
+
+def map_error(
+    maps: Float[np.ndarray, "m 3 d"], rows: Rows, structure: Float[np.ndarray, "p d"]
+) -> MapError:
+    """Return how far normals may be off by the map.
+
+    A map that gives the convex-concave counterpart is compared with it: which of the two it is, is
+    another question.
+
+    Parameters
+    ----------
+    maps
+        Maps that are about as likely as the chosen one, of `spread_of_maps`.
     rows
-        T of `b = T v`.
+        The chosen map.
     structure
         v.
     """
-    near = linearized(cues, rows, shifted, rows.size)
-    pulls = near.slope * near.pull
-    together = np.zeros((rows.size, near.region.max(initial=0) + 1))
-    placed = near.region != ALONE
-    np.add.at(together.T, near.region[placed], pulls[:, placed].T)
-    alone = pulls[:, ~placed]
-    # The scale of T moves no normal; neither does what the cues cannot see at all beyond reason.
-    reason = np.eye(rows.size)
-    inverse = np.linalg.inv(near.curvature + reason)
-    spread = UNTOLD**2 * (together @ together.T + alone @ alone.T) + reason
-    size = np.linalg.norm(rows) / 3
-    covariance = (inverse @ spread @ inverse).reshape(*rows.shape, *rows.shape) * size**2
-    b = rows @ structure
-    length = np.maximum(np.linalg.norm(b, axis=0), np.finfo(np.float64).tiny)
-    moved = np.einsum("iajb,ap,bp->pij", covariance, structure, structure, optimize=True)
-    n = b / length
-    across = np.einsum("pii->p", moved) - np.einsum("ip,pij,jp->p", n, moved, n)
-    return np.degrees(np.sqrt(np.maximum(across, 0)) / length)
+    found = directions_of(structure @ rows.T)
+    squares = np.zeros(len(found))
+    moved = []
+    some = slice(None, None, max(1, len(found) // SAMPLE))
+    for other in maps:
+        other = other * np.sign((structure[some] @ other[2]).sum() * found[some, 2].sum())
+        n = directions_of(structure @ other.T)
+        flipped = n * (-1, -1, 1)
+        if (found * flipped)[some].sum() > (found * n)[some].sum():
+            n = flipped
+        chord = np.linalg.norm(n - found, axis=1)
+        squares += np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1))) ** 2
+        moved.append(_lean_and_depth(n[some]))
+    spread = (np.array(moved) - _lean_and_depth(found[some])).std(axis=0)
+    return MapError(
+        np.sqrt(squares / len(maps)), (float(spread[0]), float(spread[1])), float(spread[2])
+    )
+
+
+def _lean_and_depth(n: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "3"]:
+    """Return the mean lean about x and y, degrees, and the logarithm of the slopes' spread."""
+    towards = np.maximum(n[:, 2], 0.05)
+    slopes = n[:, :2] / towards[:, None]
+    middle = np.median(slopes, axis=0)
+    size = np.median(np.linalg.norm(slopes - middle, axis=1))
+    lean = np.degrees(np.arctan(middle))
+    return np.array([lean[1], lean[0], np.log(max(size, 1e-6))])
+
+
+def smoothed_noise(
+    noise: Float[np.ndarray, "p"],
+    before: Float[np.ndarray, "p 3"],
+    after: Float[np.ndarray, "p 3"],
+    mask: Bool[np.ndarray, "H W"],
+) -> Float[np.ndarray, "p"]:
+    """Return the noise of normals that a smooth surface was fitted to, degrees.
+
+    What the fit has taken out of the normals about a pixel, it has taken out of their noise; a
+    quarter of the variance is left at least, as neighbours share what is left.
+
+    Parameters
+    ----------
+    noise
+        Of the normals before the fit, degrees.
+    before, after
+        Scaled normals.
+    mask
+        Their pixels.
+    """
+    chord = np.linalg.norm(directions_of(before) - directions_of(after), axis=1)
+    removed = _vicinity(np.degrees(chord) ** 2, mask)
+    return np.sqrt(np.maximum(noise**2 - removed, noise**2 / 4))
 
 
 def confidence_of(expected: Float[np.ndarray, "*pixels"]) -> Float[np.ndarray, "*pixels"]:

@@ -6,11 +6,11 @@ from scipy.interpolate import BSpline
 
 from harmface.errors import ArgumentError
 from harmface.sphere import fibonacci_directions
-from harmface.stereo import integrable_fit
+from harmface.stereo import surface
 from harmface.stereo.evaluation import angular_errors
-from harmface.stereo.integrable_fit import GIVE, fit_integrable
 from harmface.stereo.light_models import PointLights
 from harmface.stereo.per_pixel import fit_normals
+from harmface.stereo.surface import GIVE, fit_integrable
 
 MODEL = PointLights(1, ambient=False)
 SIZE = 32
@@ -123,12 +123,12 @@ def test_converges_by_its_tolerance(monkeypatch):
     lights = front(4)
     images, own = relief.photographed(lights, 0.03)
     arguments = (images, relief.mask, MODEL, lights, own)
-    monkeypatch.setattr(integrable_fit, "TOLERANCE", 1.0)
+    monkeypatch.setattr(surface, "TOLERANCE", 1.0)
     at_once = fit_integrable(*arguments, noise=0.03)
     assert at_once.converged
     assert len(at_once.energies) == 2
-    monkeypatch.setattr(integrable_fit, "TOLERANCE", 0.0)
-    monkeypatch.setattr(integrable_fit, "STEPS", 1)
+    monkeypatch.setattr(surface, "TOLERANCE", 0.0)
+    monkeypatch.setattr(surface, "STEPS", 1)
     cut_short = fit_integrable(*arguments, noise=0.03)
     assert not cut_short.converged
 
