@@ -57,6 +57,10 @@ class OrthographicCamera:
         """Return the unit directions from points to the camera."""
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), points.shape)
 
+    def pixel_sizes(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+        """Return the side of a pixel at points, in the mesh's unit of length."""
+        return np.full(len(points), self.height / self.shape[0])
+
 
 @dataclass(frozen=True)
 class PerspectiveCamera:
@@ -103,6 +107,11 @@ class PerspectiveCamera:
         """Return the unit directions from points to the camera."""
         offset = np.asarray(self.position) - points
         return offset / np.linalg.norm(offset, axis=-1, keepdims=True)
+
+    def pixel_sizes(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+        """Return the side of a pixel at points, in the mesh's unit of length."""
+        scale = 2 * np.tan(np.radians(self.vertical_field_of_view) / 2) / self.shape[0]
+        return scale * (self.position[2] - points[:, 2])
 
 
 Camera = OrthographicCamera | PerspectiveCamera
