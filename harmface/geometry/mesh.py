@@ -121,7 +121,7 @@ def vertex_normals(
     checked_faces(faces, len(vertices))
     _, position = np.unique(vertices, axis=0, return_inverse=True)
     position = position.reshape(-1)
-    faces = one_side(vertices, faces, position)
+    faces, _ = one_side(vertices, faces, position)
     corners = vertices[faces]
     edges = np.roll(corners, -1, axis=1) - corners
     normal = np.cross(edges[:, 0], edges[:, 1])

@@ -1,14 +1,14 @@
 """Surfaces whose faces come twice, once each way round."""
 
 import numpy as np
-from jaxtyping import Float, Integer
+from jaxtyping import Bool, Float, Integer
 
 
 def one_side(
     vertices: Float[np.ndarray, "V 3"],
     faces: Integer[np.ndarray, "F 3"],
     position: Integer[np.ndarray, "V"] | None = None,
-) -> Integer[np.ndarray, "f 3"]:
+) -> tuple[Integer[np.ndarray, "f 3"], Bool[np.ndarray, "F"]]:
     """Return the faces of one side of a surface that is modelled with both.
 
     A surface that is to be seen from both sides is often stored with each face twice, once each
@@ -24,6 +24,13 @@ def one_side(
         Vertex indices of each triangle.
     position
         A number for each vertex, the same for vertices at the same place; found if not given.
+
+    Returns
+    -------
+    faces
+        Those that are kept, some of them turned round.
+    kept
+        Which of the faces given they are.
     """
     if position is None:
         _, position = np.unique(vertices, axis=0, return_inverse=True)
@@ -38,11 +45,11 @@ def one_side(
     flat = (order[:, 1:] == order[:, :-1]).any(axis=1)
     kept = flat | (forwards == forwards[first][group])
     if kept.all():
-        return faces
+        return faces, kept
     places, kept_faces = places[kept], faces[kept]
     edges = places[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     if len(np.unique(edges, axis=0)) == len(edges):
-        return kept_faces
+        return kept_faces, kept
     # trimesh is slow to import, and this is rare.
     import trimesh
 
@@ -51,4 +58,4 @@ def one_side(
     trimesh.repair.fix_normals(solid)
     turned = np.asarray(solid.faces)[:, 0] != places[:, 0]
     turned |= np.asarray(solid.faces)[:, 1] != places[:, 1]
-    return np.where(turned[:, None], kept_faces[:, ::-1], kept_faces)
+    return np.where(turned[:, None], kept_faces[:, ::-1], kept_faces), kept

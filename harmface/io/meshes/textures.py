@@ -1,0 +1,135 @@
+"""The pictures that a mesh file names or holds."""
+
+import warnings
+from io import BytesIO
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+from jaxtyping import Num
+from PIL import Image
+
+from harmface.errors import FileError, FileWarning
+from harmface.geometry import TextureImage
+from harmface.io.exr import read_exr
+from harmface.io.files import PARSE_ERRORS, excerpt, read_bytes
+from harmface.io.opencv import quiet_opencv
+
+MAX_PIXELS = 2**27
+"""Most pixels of all textures of a mesh: 134 megapixels, some 400 MB of 8 bits."""
+
+FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "TGA", "PPM")
+
+
+class Textures:
+    """Decodes the textures of one mesh, each once.
+
+    Parameters
+    ----------
+    mesh
+        The mesh file, beside which its textures are looked for.
+    linear
+        Whether 8-bit pictures are linear; they are taken as sRGB otherwise.
+    wanted
+        Whether the mesh's own textures are; nothing is opened otherwise.
+    """
+
+    def __init__(self, mesh: Path, *, linear: bool, wanted: bool) -> None:
+        self.mesh = mesh
+        self.wanted = wanted
+        self._linear = linear
+        self._decoded: dict[object, Num[np.ndarray, "H W 3"]] = {}
+        self._left = MAX_PIXELS
+
+    def beside(self, name: str, wrap: tuple[str, str] = ("repeat", "repeat")) -> TextureImage:
+        """Return the texture that the mesh file names.
+
+        Raises
+        ------
+        FileError
+            If it is neither where the name says nor beside the mesh, or is broken.
+        """
+        return self.from_file(self.find(name), wrap)
+
+    def find(self, name: str) -> Path:
+        """Return where a file named in a mesh file is: as named, or else beside the mesh."""
+        given = Path(name.replace("\\", "/"))
+        for place in (self.mesh.parent / given, self.mesh.parent / unquote(given.name)):
+            try:
+                if place.exists():
+                    return place
+            except (OSError, ValueError):
+                continue
+        raise FileError(
+            f"its texture {excerpt(name)} is not there; put it beside the mesh, or give another "
+            "(--texture)"
+        )
+
+    def from_file(self, path: Path, wrap: tuple[str, str] = ("repeat", "repeat")) -> TextureImage:
+        """Return the texture in a file."""
+        if path not in self._decoded:
+            if path.suffix.lower() == ".exr":
+                self._decoded[path] = read_exr(path)
+            else:
+                self._decoded[path] = self._decode(read_bytes(path), path)
+            self._tell(path.name, self._decoded[path])
+        return self._image(self._decoded[path], wrap, srgb=False)
+
+    def embedded(
+        self, data: bytes, name: str, wrap: tuple[str, str] = ("repeat", "repeat")
+    ) -> TextureImage:
+        """Return the texture in bytes of a glTF file, where 16 bits are sRGB as well."""
+        if name not in self._decoded:
+            self._decoded[name] = self._decode(data, name)
+            self._tell(name, self._decoded[name])
+        return self._image(self._decoded[name], wrap, srgb=True)
+
+    def _image(
+        self, codes: Num[np.ndarray, "H W 3"], wrap: tuple[str, str], srgb: bool
+    ) -> TextureImage:
+        encoded = codes.dtype == np.uint8 or (srgb and codes.dtype == np.uint16)
+        return TextureImage(codes, encoded and not self._linear, wrap)
+
+    def _tell(self, name: str, codes: Num[np.ndarray, "H W 3"]) -> None:
+        if codes.dtype == np.uint8 and not self._linear:
+            warnings.warn(
+                f"{self.mesh.name}: its texture {excerpt(name)} has 8 bits and is taken as sRGB; "
+                "if it is linear, say so (--texture-linear)",
+                FileWarning,
+                stacklevel=2,
+            )
+
+    def _decode(self, data: bytes, name: Path | str) -> Num[np.ndarray, "H W 3"]:
+        """Return RGB codes of 8 or 16 bits, or floating point, without alpha."""
+        # OpenCV is slow to import; Pillow decodes no RGB of 16 bits and clips floating point.
+        import cv2
+
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", UserWarning)
+                warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+                picture = Image.open(BytesIO(data), formats=FORMATS)
+                self._left -= picture.width * picture.height
+                if self._left < 0:
+                    raise FileError(
+                        f"its textures have more pixels than the limit of {MAX_PIXELS}; make "
+                        "them smaller"
+                    )
+                picture.load()
+            if picture.format in ("TGA", "WEBP") or picture.mode in ("P", "1", "CMYK", "YCbCr"):
+                return np.asarray(picture.convert("RGB"))
+            with quiet_opencv():
+                codes = cv2.imdecode(
+                    np.frombuffer(data, np.uint8),
+                    cv2.IMREAD_UNCHANGED | cv2.IMREAD_IGNORE_ORIENTATION,
+                )
+        except FileError:
+            raise
+        except (*PARSE_ERRORS, UserWarning, Image.DecompressionBombError, cv2.error) as error:
+            raise FileError(f"{name}: cannot be read as an image: {excerpt(error)}") from None
+        if codes is None or codes.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
+            raise FileError(f"{name}: is no image of 8 or 16 bits or floating point")
+        if codes.ndim == 2:
+            codes = codes[..., None]
+        colours = [0, 0, 0] if codes.shape[2] < 3 else [2, 1, 0]
+        return np.ascontiguousarray(codes[..., colours])
