@@ -1,5 +1,6 @@
 """What several commands share: tables, progress, option types, sets of photographs."""
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,23 +12,12 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from harmface import checks
-from harmface.errors import ArgumentError, FileError
-from harmface.geometry import Mesh
+from harmface.errors import ArgumentError, FileError, FileWarning
 
 if TYPE_CHECKING:
     from harmface.io import Photograph
     from harmface.io.galleries import LabelledPhotographs
 
-MeshArgument = Annotated[
-    Path, typer.Argument(metavar="MESH", help="A PLY, OBJ, GLB or STL file, y up, facing +z.")
-]
-TextureOption = Annotated[
-    Path | None, typer.Option(help="Image to use as albedo; the mesh needs UV coordinates.")
-]
-SrgbColorsOption = Annotated[
-    bool,
-    typer.Option("--srgb-colors", help="The mesh's colours are sRGB-encoded: make them linear."),
-]
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
 SrgbOption = Annotated[
     bool, typer.Option("--srgb", help="The photographs are sRGB-encoded: make them linear.")
@@ -39,13 +29,6 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for program
 
 output = Console()
 errors = Console(stderr=True)
-
-
-def load_mesh(path: Path, texture: Path | None, srgb_colors: bool) -> Mesh:
-    """Read a mesh; trimesh is slow to import and stays away from commands without one."""
-    from harmface.io import read_mesh
-
-    return read_mesh(path, texture=texture, srgb=srgb_colors)
 
 
 def holds_photographs(sources: list[Path]) -> bool:
@@ -66,7 +49,7 @@ def mesh_files(given: list[Path]) -> dict[str, Path]:
             raise FileError(f"{path}: does not exist; check the name")
         inside = _meshes_in(path) if path.is_dir() else [path]
         if not inside:
-            raise FileError(f"{path}: holds no mesh; give PLY, OBJ, GLB or STL files")
+            raise FileError(f"{path}: holds no mesh; give PLY, OBJ, GLB, glTF or STL files")
         files += inside
     named: dict[str, Path] = {}
     for path in files:
@@ -203,3 +186,24 @@ def progress(label: str) -> Iterator[Callable[[float], None]]:
     with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as bar:
         task = bar.add_task(label, total=1.0)
         yield lambda done: bar.update(task, completed=done)
+
+
+@contextmanager
+def told() -> Iterator[Callable[[str], None]]:
+    """Print what readers have to say of files as notes on stderr; yields how to add one."""
+
+    def tell(text: str) -> None:
+        errors.print(f"note: {text}", highlight=False, markup=False, soft_wrap=True)
+
+    with warnings.catch_warnings():
+        usual = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+            if issubclass(category, FileWarning):
+                tell(str(message))
+            else:
+                usual(message, category, *rest)
+
+        warnings.simplefilter("always", FileWarning)
+        warnings.showwarning = show  # type: ignore[assignment]
+        yield tell

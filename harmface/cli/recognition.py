@@ -12,11 +12,9 @@ from harmface import checks
 from harmface.cli.common import (
     JsonOption,
     SkipBadOption,
-    SrgbColorsOption,
     SrgbOption,
     errors,
     holds_photographs,
-    load_mesh,
     mesh_files,
     output,
     progress,
@@ -27,6 +25,7 @@ from harmface.cli.common import (
     tell_skipped,
 )
 from harmface.cli.matchers import DEGREES, Matcher, matcher_of
+from harmface.cli.mesh_options import MeshReading, with_mesh_options
 from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -36,6 +35,7 @@ MOST_PICTURED = 40
 """Most probes in one figure."""
 
 
+@with_mesh_options
 def enroll(
     sources: Annotated[
         list[Path],
@@ -77,9 +77,10 @@ def enroll(
             "enroll what they look like under the nine points of light besides.",
         ),
     ] = False,
-    srgb_colors: SrgbColorsOption = False,
     srgb: SrgbOption = False,
     skip_bad: SkipBadOption = False,
+    *,
+    reading: MeshReading,
 ) -> None:
     """Enroll subjects from meshes, as harmonic images, or from photographs.
 
@@ -98,15 +99,17 @@ def enroll(
     from harmface.io import write_gallery
 
     if holds_photographs(sources):
-        if cast_shadows or srgb_colors:
-            raise ArgumentError("--cast-shadows and --srgb-colors are for meshes, not photographs")
+        if cast_shadows or reading != MeshReading():
+            raise ArgumentError(
+                "--cast-shadows and options on how to read a mesh are for meshes, not photographs"
+            )
         enrolled = _from_photographs(sources[0], method, gallery, size, srgb, skip_bad, from_stereo)
     else:
         if gallery is not None or srgb or from_stereo:
             raise ArgumentError(
                 "--gallery, --from-stereo and --srgb are for photographs, not meshes"
             )
-        enrolled = _from_meshes(sources, method, size, cast_shadows, srgb_colors, skip_bad)
+        enrolled = _from_meshes(sources, method, size, cast_shadows, reading, skip_bad)
     write_gallery(out, enrolled)
     output.print(f"{enrolled.summary} in {out}, for {enrolled.method}", soft_wrap=True)
 
@@ -245,7 +248,7 @@ def _from_meshes(
     method: str | None,
     size: str | None,
     cast_shadows: bool,
-    srgb_colors: bool,
+    reading: MeshReading,
     skip_bad: bool,
 ) -> "Enrolled":
     """Enroll harmonic images, or what photographs under the nine points of light would show."""
@@ -267,7 +270,7 @@ def _from_meshes(
     with progress("enrolling") as report:
         for number, (name, path) in enumerate(files.items()):
             try:
-                mesh = load_mesh(path, None, srgb_colors)
+                mesh = reading.load(path)
                 degree = max(2, DEGREES[method]) if method in DEGREES else 0
                 harmonic = subject_images(mesh, side, degree, cast_shadows and degree > 0)
                 nine = subject_photographs(mesh, light, side)

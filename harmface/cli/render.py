@@ -7,16 +7,9 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from harmface.cli.common import (
-    MeshArgument,
-    SizeOption,
-    SrgbColorsOption,
-    TextureOption,
-    load_mesh,
-    output,
-    progress,
-)
+from harmface.cli.common import SizeOption, output, progress
 from harmface.cli.light_source import FrameOption, LayoutOption, load_light
+from harmface.cli.mesh_options import MeshArgument, MeshReading, with_mesh_options
 from harmface.conventions import light_direction
 from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, frame_orthographic, gbuffer
@@ -31,6 +24,7 @@ BRIGHTEST = 0.95
 """Where automatic exposure puts the 99.5th percentile of the surface, as a share of white."""
 
 
+@with_mesh_options
 def render(
     mesh: MeshArgument,
     out: Annotated[Path, typer.Option(help="PNG file to write.")],
@@ -61,8 +55,8 @@ def render(
     srgb: Annotated[
         bool, typer.Option("--srgb/--linear", help="Encode for the screen, or keep linear.")
     ] = False,
-    texture: TextureOption = None,
-    srgb_colors: SrgbColorsOption = False,
+    *,
+    reading: MeshReading,
 ) -> None:
     """Render a mesh from the front by brute force: no harmonics, shadows by ray casting.
 
@@ -75,7 +69,7 @@ def render(
 
     if (light is None) == (environment is None):
         raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
-    surface = load_mesh(mesh, texture, srgb_colors)
+    surface = reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)
     if light is not None:
