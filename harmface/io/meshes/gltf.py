@@ -125,6 +125,9 @@ def _matrix(node: dict[str, Any]) -> Float[np.ndarray, "4 4"]:
 
 def _part(primitive: dict[str, Any], buffers: Buffers, materials: Materials) -> Part:
     attributes = objects(primitive, "attributes")
+    if not buffers.stored(attributes["POSITION"]):
+        named = ", ".join(objects(primitive, "extensions")) or "unknown means"
+        raise FileError(f"has positions compressed by {excerpt(named)}; export it without")
     vertices = buffers.vectors(attributes["POSITION"], 3)
     if "indices" in primitive:
         indices = buffers.indices(primitive["indices"])

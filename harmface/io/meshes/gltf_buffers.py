@@ -89,6 +89,10 @@ class Buffers:
             raise FileError(f"names {excerpt(uri)}; save it beside the file")
         return read_bytes(self._textures.mesh.parent / unquote(uri))
 
+    def stored(self, index: Any) -> bool:
+        """Return whether an accessor has numbers of its own; it is all zeros otherwise."""
+        return not {"bufferView", "sparse"}.isdisjoint(item(self._tree, "accessors", index))
+
     def vectors(
         self, index: Any, size: int | None, *, normalized: bool = False
     ) -> Float[np.ndarray, "N C"]:

@@ -2,10 +2,7 @@
 
 import os
 import warnings
-from dataclasses import dataclass, field
-
-import numpy as np
-from jaxtyping import Float
+from dataclasses import dataclass, field, replace
 
 from harmface.errors import FileError, FileWarning
 from harmface.geometry import TextureImage
@@ -19,9 +16,9 @@ _OPTIONS |= {"-imfchan": 1, "-mm": 2, "-texres": 1, "-type": 1}
 _VECTORS = ("-s", "-o", "-t")
 
 
-@dataclass
+@dataclass(frozen=True)
 class Material:
-    """A diffuse material.
+    """A diffuse material; those that look the same are equal.
 
     Parameters
     ----------
@@ -37,12 +34,12 @@ class Material:
         By which texture coordinates are multiplied, and what is added then.
     """
 
-    name: str
-    color: Float[np.ndarray, "3"] = field(default_factory=lambda: np.ones(3))
+    name: str = field(compare=False)
+    color: tuple[float, ...] = (1.0, 1.0, 1.0)
     picture: str | None = None
     clamp: bool = False
-    scale: Float[np.ndarray, "2"] = field(default_factory=lambda: np.ones(2))
-    offset: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))
+    scale: tuple[float, float] = (1.0, 1.0)
+    offset: tuple[float, float] = (0.0, 0.0)
 
     def image(self, textures: Textures) -> TextureImage | None:
         """Return the texture, if there is one."""
@@ -70,33 +67,35 @@ def read_materials(library: str, textures: Textures) -> dict[bytes, Material]:
         warnings.warn(f"{textures.mesh.name}: {text}", FileWarning, stacklevel=5)
     found: dict[bytes, Material] = {}
     for file in files:
-        current: Material | None = None
+        name = None
         for line in read_bytes(file, MAX_TEXT).splitlines():
             words = line.split()
             try:
-                match words[:1], current:
-                    case [b"newmtl"], _:
+                match words[:1]:
+                    case [b"newmtl"]:
                         name = b" ".join(words[1:])
-                        current = found.setdefault(name, Material(name.decode("utf-8", "replace")))
-                    case [b"Kd"], Material() as material:
-                        material.color = _color(words[1:])
-                    case [b"map_Kd"], Material() as material:
-                        _map(material, os.fsdecode(line.strip()[len(b"map_Kd") :].strip()))
+                        found[name] = Material(name.decode("utf-8", "replace"))
+                    case [b"Kd"] if name is not None:
+                        found[name] = replace(found[name], color=_color(words[1:]))
+                    case [b"map_Kd"] if name is not None:
+                        text = os.fsdecode(line.strip()[len(b"map_Kd") :].strip())
+                        found[name] = _mapped(found[name], text)
             except (IndexError, ValueError):
                 shown = excerpt(line[:200].decode("utf-8", "replace"))
                 raise FileError(f"{file}: cannot be read as MTL: {shown}") from None
     return found
 
 
-def _color(words: list[bytes]) -> Float[np.ndarray, "3"]:
+def _color(words: list[bytes]) -> tuple[float, ...]:
     """Return Kd; one number is a grey."""
-    color = np.array([float(word) for word in (words[:3] if len(words) >= 3 else words[:1] * 3)])
-    if color.shape != (3,) or not ((color >= 0) & (color <= 1)).all():
+    color = tuple(float(word) for word in (words[:3] if len(words) >= 3 else words[:1] * 3))
+    if len(color) != 3 or not all(0 <= value <= 1 for value in color):
         raise ValueError
     return color
 
 
-def _map(material: Material, text: str) -> None:
+def _mapped(material: Material, text: str) -> Material:
+    """Return a material with the texture, and its options, of a map_Kd line."""
     words = text.split()
     place = 0
     while place < len(words) and words[place].startswith("-"):
@@ -107,20 +106,21 @@ def _map(material: Material, text: str) -> None:
                 end += 1
             values = [float(word) for word in words[start:end]]
             if option == "-s":
-                material.scale = np.array([values[0], values[1] if len(values) > 1 else 1.0])
+                material = replace(material, scale=(values[0], values[1] if values[1:] else 1.0))
             elif option == "-o":
-                material.offset = np.array([values[0], values[1] if len(values) > 1 else 0.0])
+                material = replace(material, offset=(values[0], values[1] if values[1:] else 0.0))
         elif option in _OPTIONS:
             end = start + _OPTIONS[option]
             if option == "-clamp":
-                material.clamp = words[start] == "on"
+                material = replace(material, clamp=words[start] == "on")
         else:
             break
         place = end
     # Blanks within the name are kept as they are.
-    material.picture = text.split(None, place)[place] if place else text
-    if not material.picture:
+    picture = text.split(None, place)[place] if place else text
+    if not picture:
         raise ValueError
+    return replace(material, picture=picture)
 
 
 def _is_number(word: str) -> bool:

@@ -4,6 +4,7 @@ import os
 import warnings
 from array import array
 from dataclasses import dataclass, field
+from io import BytesIO
 
 import numpy as np
 from jaxtyping import Float, Integer
@@ -54,18 +55,24 @@ def read_obj(data: bytes, textures: Textures) -> list[Part]:
         raise FileError("vertices must be finite, got NaN or Inf")
     triangles, face = triangulate(positions, corners[:, 0], np.array(said.counts, dtype=np.int64))
     colors = _colors(said, textures)
-    materials = _materials(said, textures)
-    of_face = np.array(said.materials, dtype=np.int64)[face]
-    parts, tinted = [], []
-    for number, material in enumerate(materials):
-        chosen = corners[triangles[of_face == number].reshape(-1)]
+    named = _materials(said, textures)
+    # Programs write a material for each face of a figure; those that look alike are one.
+    looks = {material: number for number, material in enumerate(dict.fromkeys(named))}
+    materials = list(looks)
+    look = np.array([looks[material] for material in named])
+    of_face = look[np.array(said.materials, dtype=np.int64)][face]
+    order = np.argsort(of_face, kind="stable")
+    ends = np.searchsorted(of_face[order], np.arange(len(materials)), side="right")
+    parts, tinted, bare = [], [], []
+    for material, chosen in zip(materials, np.split(order, ends[:-1]), strict=True):
         if not len(chosen):
             continue
-        rows, faces = _distinct(chosen)
+        rows, faces = _distinct(corners[triangles[chosen].reshape(-1)])
         vertex, coordinate, normal = rows.T
-        part = Part(positions[vertex], faces.reshape(-1, 3), factor=material.color)
+        part = Part(positions[vertex], faces.reshape(-1, 3), factor=np.array(material.color))
         if (normal >= 0).any():
-            part.normals = np.concatenate([normals, [[np.nan] * 3]])[normal]
+            part.normals = normals[normal]
+            part.normals[normal < 0] = np.nan
         if colors is not None:
             part.colors = colors[vertex]
         if (coordinate >= 0).all():
@@ -75,18 +82,20 @@ def read_obj(data: bytes, textures: Textures) -> list[Part]:
                 # MTL would have both multiplied, but most programs write some grey beside a
                 # texture that is the whole colour.
                 part.factor = np.ones(3)
-                tinted += [material] if (material.color != 1).any() else []
+                tinted += [material] if material.color != (1, 1, 1) else []
         elif material.picture is not None:
-            _note(
-                textures,
-                f"material {excerpt(material.name)} has a texture, and faces without "
-                "texture coordinates; it is left out",
-            )
+            bare.append(material)
         parts.append(part)
     if tinted:
         shown = " ".join(f"{value:.3g}" for value in tinted[0].color)
         _note(
             textures, f"its textures are taken alone, without the colour beside them (Kd {shown})"
+        )
+    if bare:
+        _note(
+            textures,
+            f"the texture of {len(bare)} materials ({excerpt(bare[0].name)}) is left out, as their "
+            "faces have no texture coordinates",
         )
     return parts
 
@@ -94,9 +103,8 @@ def read_obj(data: bytes, textures: Textures) -> list[Part]:
 def _statements(data: bytes) -> _Statements:
     said = _Statements()
     current = said.names.setdefault(b"", 0)
-    for number, line in enumerate(
-        data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
-    ):
+    # A list of all lines would take several times the memory of the file.
+    for number, line in enumerate(BytesIO(_joined_lines(data))):
         words = line.split()
         if not words:
             continue
@@ -127,6 +135,13 @@ def _statements(data: bytes) -> _Statements:
             shown = excerpt(line[:200].decode("utf-8", "replace"))
             raise FileError(f"line {number + 1} cannot be read: {shown}") from None
     return said
+
+
+def _joined_lines(data: bytes) -> bytes:
+    """Return a text with newlines alone at the ends of its lines, continued ones in one."""
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return data.replace(b"\\\n", b" ")
 
 
 def _face(said: _Statements, words: list[bytes]) -> None:

@@ -4,6 +4,7 @@ import re
 import warnings
 from array import array
 from dataclasses import dataclass, field
+from io import BytesIO
 from urllib.parse import unquote
 
 import numpy as np
@@ -158,7 +159,7 @@ def _body(data: bytes, start: int, elements: list[_Element], order: str) -> dict
         # As text, all numbers are alike: read them as if they were stored in double precision.
         numbers = array("d")
         try:
-            for line in data[start:].splitlines():
+            for line in BytesIO(data[start:].replace(b"\r", b"\n")):
                 numbers.extend(map(float, line.split()))
         except ValueError:
             raise FileError(

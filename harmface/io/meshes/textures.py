@@ -69,7 +69,7 @@ class Textures:
         """Return the texture in a file."""
         if path not in self._decoded:
             if path.suffix.lower() == ".exr":
-                self._decoded[path] = read_exr(path)
+                self._decoded[path] = _coloured(read_exr(path))
             else:
                 self._decoded[path] = self._decode(read_bytes(path), path)
             self._tell(path.name, self._decoded[path])
@@ -101,9 +101,6 @@ class Textures:
 
     def _decode(self, data: bytes, name: Path | str) -> Num[np.ndarray, "H W 3"]:
         """Return RGB codes of 8 or 16 bits, or floating point, without alpha."""
-        # OpenCV is slow to import; Pillow decodes no RGB of 16 bits and clips floating point.
-        import cv2
-
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error", UserWarning)
@@ -116,20 +113,34 @@ class Textures:
                         "them smaller"
                     )
                 picture.load()
-            if picture.format in ("TGA", "WEBP") or picture.mode in ("P", "1", "CMYK", "YCbCr"):
-                return np.asarray(picture.convert("RGB"))
-            with quiet_opencv():
-                codes = cv2.imdecode(
-                    np.frombuffer(data, np.uint8),
-                    cv2.IMREAD_UNCHANGED | cv2.IMREAD_IGNORE_ORIENTATION,
-                )
+                codes = _codes(picture, data)
         except FileError:
             raise
-        except (*PARSE_ERRORS, UserWarning, Image.DecompressionBombError, cv2.error) as error:
+        except (*PARSE_ERRORS, UserWarning, Image.DecompressionBombError) as error:
             raise FileError(f"{name}: cannot be read as an image: {excerpt(error)}") from None
-        if codes is None or codes.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
-            raise FileError(f"{name}: is no image of 8 or 16 bits or floating point")
-        if codes.ndim == 2:
-            codes = codes[..., None]
-        colours = [0, 0, 0] if codes.shape[2] < 3 else [2, 1, 0]
-        return np.ascontiguousarray(codes[..., colours])
+        return _coloured(codes)
+
+
+def _coloured(codes: Num[np.ndarray, "H W *channels"]) -> Num[np.ndarray, "H W 3"]:
+    return np.repeat(codes[..., None], 3, axis=2) if codes.ndim == 2 else codes
+
+
+def _codes(picture: Image.Image, data: bytes) -> Num[np.ndarray, "H W *channels"]:
+    """Return grey or RGB codes of a decoded picture, in full depth."""
+    if picture.mode.startswith("I;16"):
+        return np.asarray(picture).astype(np.uint16)
+    if picture.mode == "F":
+        return np.asarray(picture)
+    if picture.format == "PNG" and data[24] == 16:
+        # Pillow has decoded it, and found it sound, but only keeps 8 bits of RGB. OpenCV, slow to
+        # import, keeps all.
+        import cv2
+
+        with quiet_opencv():
+            codes = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        if codes is None or codes.dtype != np.uint16 or codes.ndim != 3:
+            raise ValueError("its 16 bits cannot be decoded")
+        return np.ascontiguousarray(codes[..., 2::-1])
+    if picture.mode == "I":
+        raise ValueError("it has 32 bits; save it with 16")
+    return np.asarray(picture.convert("RGB"))

@@ -178,7 +178,9 @@ def test_a_glb_that_promises_more_than_it_has_is_refused(tmp_path):
         "asset": {"version": "2.0"},
         "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-        "accessors": [{"count": 10**12, "type": "VEC3", "componentType": 5126}],
+        "accessors": [{"count": 10**12, "type": "VEC3", "componentType": 5126, "bufferView": 0}],
+        "bufferViews": [{"buffer": 0, "byteLength": 0}],
+        "buffers": [{"byteLength": 0}],
     }
     text = json.dumps(tree).encode()
     text += b" " * (-len(text) % 4)
