@@ -75,6 +75,7 @@ def test_smoothness_evens_out_noise(run, check_refused, capture, tmp_path, rng):
     check_refused("smoothness needs refinement", *harmonic)
 
 
+@pytest.mark.filterwarnings("ignore::harmface.errors.FileWarning")
 @pytest.mark.parametrize("form", ["obj", "glb"])
 def test_other_meshes_and_views_are_written(run, capture, tmp_path, form):
     known = ("stereo", "ball", "--method", "known-lights", "--focal", "60")

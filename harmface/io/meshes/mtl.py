@@ -88,7 +88,7 @@ def read_materials(library: str, textures: Textures) -> dict[bytes, Material]:
 
 def _color(words: list[bytes]) -> tuple[float, ...]:
     """Return Kd; one number is a grey."""
-    color = tuple(float(word) for word in (words[:3] if len(words) >= 3 else words[:1] * 3))
+    color = tuple(float(word) for word in (words * 3 if len(words) == 1 else words[:3]))
     if len(color) != 3 or not all(0 <= value <= 1 for value in color):
         raise ValueError
     return color

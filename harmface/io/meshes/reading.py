@@ -96,8 +96,10 @@ def read_mesh(
     except ArgumentError as error:
         raise FileError(f"{path}: {error}; repair the mesh and export it again") from None
     except PARSE_ERRORS as error:
-        kind = suffix[1:].upper()
-        raise FileError(f"{path}: cannot be read as {kind}: {excerpt(error)}") from None
+        said = f"it misses {error}" if isinstance(error, KeyError) else error
+        raise FileError(
+            f"{path}: cannot be read as {suffix[1:].upper()}: {excerpt(said)}; export it again"
+        ) from None
     return mesh.flipped() if flip_normals else mesh
 
 
