@@ -74,7 +74,7 @@ class TextureImage:
         found = np.empty((len(uv), 3))
         for each in np.unique(level):
             chosen = level == each
-            found[chosen] = self._bilinear(each, uv[chosen])
+            found[chosen] = self._bilinear(int(each), uv[chosen])
         return found
 
     def _bilinear(self, level: int, uv: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "N 3"]:

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Num
 from PIL import Image
 
-from harmface.errors import FileError, FileWarning
+from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.geometry import TextureImage
 from harmface.io.exr import read_exr
 from harmface.io.files import PARSE_ERRORS, excerpt, read_bytes
@@ -38,7 +38,7 @@ class Textures:
         self.mesh = mesh
         self.wanted = wanted
         self._linear = linear
-        self._decoded: dict[object, Num[np.ndarray, "H W 3"]] = {}
+        self._decoded: dict[Path | str, Num[np.ndarray, "H W 3"]] = {}
         self._left = MAX_PIXELS
 
     def beside(self, name: str, wrap: tuple[str, str] = ("repeat", "repeat")) -> TextureImage:
@@ -73,7 +73,7 @@ class Textures:
             else:
                 self._decoded[path] = self._decode(read_bytes(path), path)
             self._tell(path.name, self._decoded[path])
-        return self._image(self._decoded[path], wrap, srgb=False)
+        return self._image(path, wrap, srgb=False)
 
     def embedded(
         self, data: bytes, name: str, wrap: tuple[str, str] = ("repeat", "repeat")
@@ -82,13 +82,15 @@ class Textures:
         if name not in self._decoded:
             self._decoded[name] = self._decode(data, name)
             self._tell(name, self._decoded[name])
-        return self._image(self._decoded[name], wrap, srgb=True)
+        return self._image(name, wrap, srgb=True)
 
-    def _image(
-        self, codes: Num[np.ndarray, "H W 3"], wrap: tuple[str, str], srgb: bool
-    ) -> TextureImage:
+    def _image(self, name: Path | str, wrap: tuple[str, str], srgb: bool) -> TextureImage:
+        codes = self._decoded[name]
         encoded = codes.dtype == np.uint8 or (srgb and codes.dtype == np.uint16)
-        return TextureImage(codes, encoded and not self._linear, wrap)
+        try:
+            return TextureImage(codes, encoded and not self._linear, wrap)
+        except ArgumentError as error:
+            raise FileError(f"{name}: {error}") from None
 
     def _tell(self, name: str, codes: Num[np.ndarray, "H W 3"]) -> None:
         if codes.dtype == np.uint8 and not self._linear:
