@@ -113,9 +113,9 @@ class TextureImage:
             row = np.minimum(np.arange(i, rows + i, 2), rows - 1)
             for j in (0, 1):
                 column = np.minimum(np.arange(j, columns + j, 2), columns - 1)
-                # Row by row, as a picture in double precision may not fit into memory.
-                for line, place in zip(total, row, strict=True):
-                    line += self._linear(place, column)
+                # Some rows at a time, as a picture in double precision may not fit into memory.
+                for some in np.array_split(np.arange(len(row)), 1 + rows * columns // 2**20):
+                    total[some] += self._linear(row[some][:, None], column)
         return TextureImage(np.clip(total / 4, 0, 1), False, self.wrap)
 
 
