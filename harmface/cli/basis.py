@@ -8,12 +8,13 @@ import typer
 
 from harmface import checks
 from harmface.cli.common import SizeOption, output
-from harmface.cli.mesh_options import MeshArgument, MeshReading, with_mesh_options
+from harmface.cli.mesh_options import MeshArgument, MeshReading
+from harmface.cli.option_groups import with_options
 
 KIND, VERSION = "basis", 1
 
 
-@with_mesh_options
+@with_options("mesh_reading", MeshReading)
 def basis(
     mesh: MeshArgument,
     out: Annotated[Path, typer.Option(help="NPZ file: basis (K,H,W), normals, albedo, mask.")],
@@ -23,7 +24,7 @@ def basis(
         Path | None, typer.Option(help="PNG: green above zero, blue below, a row a degree.")
     ] = None,
     *,
-    reading: MeshReading,
+    mesh_reading: MeshReading,
 ) -> None:
     """Render the harmonic images albedo A_l Y_lm(n) of a mesh, seen from the front.
 
@@ -35,7 +36,7 @@ def basis(
     from harmface.rendering import harmonic_images
 
     checks.degree("degree", degree)
-    surface = reading.load(mesh)
+    surface = mesh_reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size), supersampling=2)
     albedo = luminance(view.albedo)
     images = harmonic_images(view.normals, albedo, degree)

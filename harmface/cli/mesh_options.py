@@ -1,11 +1,8 @@
 """How the commands that take meshes read them: one set of options, and what is said of a mesh."""
 
-import functools
-import inspect
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated
 
 import typer
 
@@ -100,28 +97,3 @@ class MeshReading:
                     f"its texture shows a face when it is turned over: {flip} --flip-texture"
                 )
         return found
-
-
-def with_mesh_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the options of `MeshReading` in place of its parameter `reading`."""
-    options = get_type_hints(MeshReading, include_extras=True)
-    parameters: list[inspect.Parameter] = []
-    for parameter in inspect.signature(command, eval_str=True).parameters.values():
-        if parameter.name == "reading":
-            parameters += [
-                parameter.replace(
-                    name=each.name, annotation=options[each.name], default=each.default
-                )
-                for each in fields(MeshReading)
-            ]
-        else:
-            parameters.append(parameter)
-
-    @functools.wraps(command)
-    def taking_options(**given: Any) -> Any:
-        reading = MeshReading(**{each.name: given.pop(each.name) for each in fields(MeshReading)})
-        return command(**given, reading=reading)
-
-    taking_options.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    taking_options.__annotations__ = {each.name: each.annotation for each in parameters}
-    return taking_options

@@ -11,14 +11,15 @@ from rich.table import Table
 from harmface import checks
 from harmface.cli import basis
 from harmface.cli.common import JsonOption, SizeOption, output
-from harmface.cli.mesh_options import MeshReading, with_mesh_options
+from harmface.cli.mesh_options import MeshReading
+from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError, FileError
 
 SHOWN = 9
 MODES = 5
 
 
-@with_mesh_options
+@with_options("mesh_reading", MeshReading)
 def pca(
     source: Annotated[
         Path,
@@ -50,7 +51,7 @@ def pca(
     ] = None,
     as_json: JsonOption = False,
     *,
-    reading: MeshReading,
+    mesh_reading: MeshReading,
 ) -> None:
     """Write down the principal components of a mesh's images under varying light.
 
@@ -70,7 +71,7 @@ def pca(
         )
     half_angle = _half_angle(light)
     distribution = theory.cone_lights(degree, half_angle)
-    normals, luminance_albedo = _seen(source, size, reading)
+    normals, luminance_albedo = _seen(source, size, mesh_reading)
     mask = np.asarray(normals.any(axis=-1))
     reflectance = luminance_albedo if albedo == "mesh" else mask.astype(normals.dtype)
     found = theory.analytic_pca(
@@ -142,14 +143,14 @@ def _random_cone(count: int, half_angle: float) -> np.ndarray:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=-1)
 
 
-def _seen(source: Path, size: int, reading: MeshReading) -> tuple[np.ndarray, np.ndarray]:
+def _seen(source: Path, size: int, mesh_reading: MeshReading) -> tuple[np.ndarray, np.ndarray]:
     """Return the normals and the luminance of the albedo of what is seen."""
     from harmface.conventions import luminance
     from harmface.geometry import frame_orthographic, gbuffer
     from harmface.io import read_npz
 
     if source.suffix.lower() == ".npz":
-        if reading != MeshReading():
+        if mesh_reading != MeshReading():
             raise ArgumentError(
                 f"{source}: is no mesh, so that options on how to read a mesh do not apply"
             )
@@ -158,6 +159,6 @@ def _seen(source: Path, size: int, reading: MeshReading) -> tuple[np.ndarray, np
             return arrays["normals"], arrays["albedo"]
         except KeyError as error:
             raise FileError(f"{source}: holds no {error}; make it again") from None
-    mesh = reading.load(source)
+    mesh = mesh_reading.load(source)
     view = gbuffer(mesh, frame_orthographic(mesh, size))
     return view.normals, luminance(view.albedo)

@@ -25,7 +25,8 @@ from harmface.cli.common import (
     tell_skipped,
 )
 from harmface.cli.matchers import DEGREES, Matcher, matcher_of
-from harmface.cli.mesh_options import MeshReading, with_mesh_options
+from harmface.cli.mesh_options import MeshReading
+from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ MOST_PICTURED = 40
 """Most probes in one figure."""
 
 
-@with_mesh_options
+@with_options("mesh_reading", MeshReading)
 def enroll(
     sources: Annotated[
         list[Path],
@@ -80,7 +81,7 @@ def enroll(
     srgb: SrgbOption = False,
     skip_bad: SkipBadOption = False,
     *,
-    reading: MeshReading,
+    mesh_reading: MeshReading,
 ) -> None:
     """Enroll subjects from meshes, as harmonic images, or from photographs.
 
@@ -99,7 +100,7 @@ def enroll(
     from harmface.io import write_gallery
 
     if holds_photographs(sources):
-        if cast_shadows or reading != MeshReading():
+        if cast_shadows or mesh_reading != MeshReading():
             raise ArgumentError(
                 "--cast-shadows and options on how to read a mesh are for meshes, not photographs"
             )
@@ -109,7 +110,7 @@ def enroll(
             raise ArgumentError(
                 "--gallery, --from-stereo and --srgb are for photographs, not meshes"
             )
-        enrolled = _from_meshes(sources, method, size, cast_shadows, reading, skip_bad)
+        enrolled = _from_meshes(sources, method, size, cast_shadows, mesh_reading, skip_bad)
     write_gallery(out, enrolled)
     output.print(f"{enrolled.summary} in {out}, for {enrolled.method}", soft_wrap=True)
 
@@ -248,7 +249,7 @@ def _from_meshes(
     method: str | None,
     size: str | None,
     cast_shadows: bool,
-    reading: MeshReading,
+    mesh_reading: MeshReading,
     skip_bad: bool,
 ) -> "Enrolled":
     """Enroll harmonic images, or what photographs under the nine points of light would show."""
@@ -270,7 +271,7 @@ def _from_meshes(
     with progress("enrolling") as report:
         for number, (name, path) in enumerate(files.items()):
             try:
-                mesh = reading.load(path)
+                mesh = mesh_reading.load(path)
                 degree = max(2, DEGREES[method]) if method in DEGREES else 0
                 harmonic = subject_images(mesh, side, degree, cast_shadows and degree > 0)
                 nine = subject_photographs(mesh, light, side)

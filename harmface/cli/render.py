@@ -9,7 +9,8 @@ import typer
 
 from harmface.cli.common import SizeOption, output, progress
 from harmface.cli.light_source import FrameOption, LayoutOption, load_light
-from harmface.cli.mesh_options import MeshArgument, MeshReading, with_mesh_options
+from harmface.cli.mesh_options import MeshArgument, MeshReading
+from harmface.cli.option_groups import with_options
 from harmface.conventions import light_direction
 from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, frame_orthographic, gbuffer
@@ -24,7 +25,7 @@ BRIGHTEST = 0.95
 """Where automatic exposure puts the 99.5th percentile of the surface, as a share of white."""
 
 
-@with_mesh_options
+@with_options("mesh_reading", MeshReading)
 def render(
     mesh: MeshArgument,
     out: Annotated[Path, typer.Option(help="PNG file to write.")],
@@ -56,7 +57,7 @@ def render(
         bool, typer.Option("--srgb/--linear", help="Encode for the screen, or keep linear.")
     ] = False,
     *,
-    reading: MeshReading,
+    mesh_reading: MeshReading,
 ) -> None:
     """Render a mesh from the front by brute force: no harmonics, shadows by ray casting.
 
@@ -69,7 +70,7 @@ def render(
 
     if (light is None) == (environment is None):
         raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
-    surface = reading.load(mesh)
+    surface = mesh_reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)
     if light is not None:
