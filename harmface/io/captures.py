@@ -1,9 +1,8 @@
 """Photographs of one still object under changing light, with what is known of them."""
 
-import zlib
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from harmface.errors import FileError
 from harmface.io.files import read_bytes
 from harmface.io.images import read_image
 from harmface.io.light_files import Lights, read_lights, read_table
+from harmface.io.matlab import read_matlab
 from harmface.io.photo_folders import LIGHT_FILES, Sorted, photographs_in, sort_photographs
 from harmface.io.photo_sets import yale_light
 
@@ -108,7 +108,7 @@ def read_capture(
         saturated,
         mask_image,
         None if known is None else known.directions,
-        None if truth is None else _matlab_normals(truth),
+        None if truth is None else _matlab_normals(truth, images.shape[1:]),
         (*found.notes, *(() if known is None else known.notes), *_encoding_notes(files, srgb)),
     )
 
@@ -209,23 +209,11 @@ def _encoding_notes(files: list[Path], srgb: bool) -> tuple[str, ...]:
     return ("JPEG files are hardly ever linear; if these come from a camera, say --gamma srgb",)
 
 
-def _matlab_normals(path: Path) -> Float[np.ndarray, "H W 3"]:
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
-
-    data = read_bytes(path)
-    try:
-        normals = np.asarray(loadmat(BytesIO(data))["Normal_gt"], dtype=np.float64)
-    except (
-        KeyError,
-        MatReadError,
-        NotImplementedError,
-        OSError,
-        TypeError,
-        ValueError,
-        zlib.error,
-    ) as error:
-        raise FileError(f"{path}: holds no MATLAB array Normal_gt ({error})") from None
-    if normals.ndim != 3 or normals.shape[2] != 3:
-        raise FileError(f"{path}: Normal_gt must be H x W x 3, got {normals.shape}")
+def _matlab_normals(path: Path, shape: tuple[int, ...]) -> Float[np.ndarray, "H W 3"]:
+    normals = read_matlab(path, "Normal_gt", 3 * math.prod(shape))
+    if normals.shape != (*shape, 3) or not np.isfinite(normals).all():
+        raise FileError(
+            f"{path}: Normal_gt must hold finite numbers, {shape[0]} x {shape[1]} x 3 as the "
+            f"photographs are, got {normals.shape}"
+        )
     return normals
