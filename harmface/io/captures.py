@@ -12,10 +12,11 @@ from harmface.conventions import luminance
 from harmface.errors import FileError
 from harmface.io.files import read_bytes
 from harmface.io.images import read_image
-from harmface.io.light_files import Lights, read_lights, read_table
+from harmface.io.light_files import Lights, read_lights
 from harmface.io.matlab import read_matlab
 from harmface.io.photo_folders import LIGHT_FILES, Sorted, photographs_in, sort_photographs
 from harmface.io.photo_sets import yale_light
+from harmface.io.tables import read_table
 
 SATURATED = 1 - 2**-17
 """Values from which a photograph is saturated: the largest code only, at 16 bits too."""
@@ -155,7 +156,7 @@ def _intensities(
     path = None if folder is None else _existing(folder, "light_intensities.txt")
     if path is None:
         return None
-    table = read_table(path)
+    table = read_table(path).numbers
     if len(table) != count or table.shape[1] not in (1, 3) or not (table > 0).all():
         raise FileError(
             f"{path}: must hold one positive number, or three, for each of the {count} images"
