@@ -16,9 +16,16 @@ PHOTOGRAPH_SUFFIXES = (
     ".jpg",
     ".jpeg",
     ".bmp",
+    ".webp",
 )
 
-LIGHT_FILES = ("lights.txt", "light_directions.txt")
+LIGHT_FILES = (
+    "lights.txt",
+    "light_directions.txt",
+    "lights.csv",
+    "lights.npy",
+    "light_directions.npy",
+)
 
 _MASK = re.compile(r"(.*[._ -])?mask", re.IGNORECASE)
 _UNLIT = re.compile(r"(.*[._ -])?(ambient|dark)([._ -]?\d+)?", re.IGNORECASE)
@@ -49,16 +56,40 @@ def photographs_in(folder: Path) -> list[Path]:
     Raises
     ------
     FileError
-        If there is none.
+        If there is none, or the folder cannot be read.
     """
+    try:
+        inside = list(folder.iterdir())
+    except OSError as error:
+        raise FileError(f"{folder}: cannot be read: {error.strerror}") from None
     files = sorted(
         path
-        for path in folder.iterdir()
+        for path in inside
         if path.suffix.lower() in PHOTOGRAPH_SUFFIXES and not path.name.startswith(".")
     )
     if not files:
         raise FileError(f"{folder}: holds no photographs; give PNG, TIFF, PGM, TGA or JPEG files")
     return files
+
+
+def light_file_of(folder: Path) -> Path | None:
+    """Return the file of lights in a folder, or else in the one that it lies in, if there is one.
+
+    Its name is one of `LIGHT_FILES`, or ends in `.lp`.
+
+    Raises
+    ------
+    FileError
+        If there are several that end in `.lp`, and none of the others.
+    """
+    for place in (folder, folder.absolute().parent):
+        found = [place / name for name in LIGHT_FILES if (place / name).is_file()]
+        found = found[:1] or [path for path in place.glob("*.lp") if path.is_file()]
+        if len(found) > 1 and place == folder:
+            raise FileError(f"{found[1]}: is a second file of lights; say which with --lights")
+        if len(found) == 1:
+            return found[0]
+    return None
 
 
 def sort_photographs(files: list[Path], mask: Path | None) -> Sorted:

@@ -23,6 +23,9 @@ NO_PICTURE = "its bytes are not PNG, TIFF, JPEG, PGM, PPM, BMP, WebP or TGA"
 MAX_PIXELS = 2**26
 """Largest picture decoded unless another limit is asked for: 67 megapixels."""
 
+_SET = 16
+"""How many times as many pixels as one picture a set may have: about 5 GB of luminance."""
+
 MAX_SCANS = 50
 """Most scans of a JPEG file; progressive ones have about ten, and each goes over all pixels."""
 
@@ -172,6 +175,16 @@ def check_size(path: Path | str, width: int, height: int, max_pixels: int) -> No
         raise FileError(
             f"{path}: has {width} x {height} pixels, more pixels than the limit of {max_pixels}; "
             "make the image smaller, or raise max_pixels (--max-pixels)"
+        )
+
+
+def check_total(path: Path | str, count: int, shape: tuple[int, ...], max_pixels: int) -> None:
+    """Refuse a set of pictures, of which `path` is the first, that are too many for memory."""
+    if count * shape[0] * shape[1] > _SET * max_pixels:
+        raise FileError(
+            f"{path}: and {count - 1} more have {shape[1]} x {shape[0]} pixels each, more than "
+            f"{_SET} times {max_pixels} together; make them smaller, or raise max_pixels "
+            "(--max-pixels)"
         )
 
 
