@@ -1,6 +1,8 @@
 """Which files are photographs of one object, in which order, and what the others are for."""
 
+import os
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,6 +50,38 @@ class Sorted:
     photographs: list[Path]
     mask: Path | None
     notes: tuple[str, ...]
+
+
+def files_below(folder: Path) -> Iterator[Path]:
+    """Yield the files below a folder that a person put there, in the order of their names.
+
+    Symbolic links to folders are followed, but none back into a folder that is being looked
+    through. What systems leave behind is passed over: hidden files and folders, `._` twins of
+    files and `__MACOSX`.
+
+    Raises
+    ------
+    FileError
+        If a folder cannot be read.
+    """
+    yield from _below(folder, frozenset())
+
+
+def _below(folder: Path, above: frozenset[str]) -> Iterator[Path]:
+    real = os.path.realpath(folder)
+    if real in above:
+        return
+    try:
+        entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+    except OSError as error:
+        raise FileError(f"{folder}: cannot be read: {error.strerror}") from None
+    for entry in entries:
+        if entry.name.startswith(".") or entry.name == "__MACOSX":
+            continue
+        if entry.is_dir():
+            yield from _below(folder / entry.name, above | {real})
+        elif entry.is_file():
+            yield folder / entry.name
 
 
 def photographs_in(folder: Path) -> list[Path]:
