@@ -33,11 +33,13 @@ errors = Console(stderr=True)
 
 def holds_photographs(sources: list[Path]) -> bool:
     """Return whether sources are one folder, with files in it of which none is a mesh."""
+    from harmface.io.photo_folders import files_below
+
     return (
         len(sources) == 1
         and sources[0].is_dir()
         and not _meshes_in(sources[0])
-        and any(path.is_file() for path in sources[0].rglob("*"))
+        and next(files_below(sources[0]), None) is not None
     )
 
 

@@ -11,16 +11,12 @@ from harmface.io.environment_maps import (
 )
 from harmface.io.folders import prepare_folder
 from harmface.io.galleries import read_gallery, write_gallery
+from harmface.io.gallery_choice import choose_gallery
 from harmface.io.images import read_image, write_image
 from harmface.io.light_files import Lights, read_lights
 from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.npz import read_npz, write_npz
-from harmface.io.photo_sets import (
-    Photograph,
-    choose_gallery,
-    find_photographs,
-    read_photographs,
-)
+from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
 

@@ -99,11 +99,11 @@ def read_bytes(path: Path | str, most: int = MAX_BYTES) -> bytes:
 
 
 def excerpt(said: object) -> str:
-    r"""Return the first line of a text or an error, at most 200 characters of it.
+    """Return the first line of a text or an error, at most 200 characters of it.
 
     Examples
     --------
-    >>> excerpt(ValueError("one\ntwo"))
+    >>> excerpt(ValueError("one" + chr(10) + "two"))
     'one'
     >>> excerpt(EOFError())
     'EOFError'
