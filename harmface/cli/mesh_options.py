@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from harmface import checks
 from harmface.cli.common import told
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, axis_rotations, face_rotation, outward_share, paints_a_face
@@ -39,9 +40,13 @@ class MeshReading:
     rotate: Annotated[
         str | None,
         typer.Option(
-            metavar="AXIS:DEGREES[,...]",
+            metavar="AXIS:DEGREES",
             help="Turn the mesh first, counter-clockwise about x, y or z: y:180 where it faces -z.",
         ),
+    ] = None
+    max_texels: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Most pixels of a mesh's textures; 134 million by default."),
     ] = None
     srgb_colors: Annotated[
         bool,
@@ -55,7 +60,11 @@ class MeshReading:
         """Read a mesh, and say on stderr what was assumed and what looks wrong."""
         # Slow to import; commands without a mesh do without.
         from harmface.io import read_mesh
+        from harmface.io.meshes import MAX_TEXELS
 
+        limit = self.max_texels
+        if limit is not None:
+            checks.positive_integer("--max-texels", limit)
         with told() as tell:
             mesh = read_mesh(
                 path,
@@ -64,6 +73,7 @@ class MeshReading:
                 flip_texture=self.flip_texture,
                 flip_normals=self.flip_normals,
                 srgb=self.srgb_colors,
+                max_texels=MAX_TEXELS if limit is None else limit,
             )
             if self.rotate is not None:
                 mesh = mesh.rotated(axis_rotations(self.rotate))

@@ -88,7 +88,7 @@ class Picture:
         return looked_up(meant, self.codes)
 
 
-def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS) -> Picture:
+def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS, *, opaque: bool = True) -> Picture:
     """Decode a picture: PNG, PBM, PGM, PPM, TIFF, JPEG, BMP, WebP or, by its name, TGA.
 
     The orientation that the file names (EXIF) is applied.
@@ -99,6 +99,9 @@ def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS) -> Picture:
         The file.
     max_pixels
         Largest picture decoded.
+    opaque
+        Whether a picture that is partly transparent is refused; otherwise its colours are
+        returned without their opacity.
 
     Raises
     ------
@@ -127,7 +130,7 @@ def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS) -> Picture:
         notes = _notes(path, source, spec)
         if kind != "jpeg" and source.seek_subimage(1, 0):
             raise FileError(f"{path}: holds several pages; save each as a file of its own")
-    codes = _colours(path, codes, spec)
+    codes = _colours(path, codes, spec, opaque)
     return Picture(oriented(codes, spec.getattribute("Orientation") or 1), largest, notes)
 
 
@@ -213,8 +216,8 @@ def oriented(image: np.ndarray, orientation: int) -> np.ndarray:
     return image.swapaxes(0, 1) if orientation in (5, 6, 7, 8) else image
 
 
-def _colours(path: Path, codes: np.ndarray, spec: Any) -> np.ndarray:
-    """Return grey codes as (H, W), or RGB, of what may have an alpha channel that is full."""
+def _colours(path: Path, codes: np.ndarray, spec: Any, opaque: bool) -> np.ndarray:
+    """Return grey codes as (H, W), or RGB, of what may have an alpha channel, which is full."""
     alpha = spec.alpha_channel
     kept = [index for index in range(codes.shape[2]) if index != alpha]
     if len(kept) not in (1, 3):
@@ -222,9 +225,9 @@ def _colours(path: Path, codes: np.ndarray, spec: Any) -> np.ndarray:
             f"{path}: has the channels {excerpt(', '.join(spec.channelnames))}; save it as grey "
             "or RGB"
         )
-    if alpha >= 0:
-        opaque = 1 if codes.dtype.kind == "f" else np.iinfo(codes.dtype).max
-        if (codes[..., alpha] != opaque).any():
+    if alpha >= 0 and opaque:
+        full = 1 if codes.dtype.kind == "f" else np.iinfo(codes.dtype).max
+        if (codes[..., alpha] != full).any():
             raise FileError(f"{path}: is partly transparent; flatten it onto a background")
     if codes.dtype.kind == "i":
         raise FileError(f"{path}: holds signed integers; convert it to PNG")

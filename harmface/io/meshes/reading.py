@@ -18,7 +18,7 @@ from harmface.io.meshes.obj import read_obj
 from harmface.io.meshes.part import Part
 from harmface.io.meshes.ply import read_ply
 from harmface.io.meshes.stl import read_stl
-from harmface.io.meshes.textures import Textures
+from harmface.io.meshes.textures import MAX_TEXELS, Textures
 
 _READERS: dict[str, Callable[[bytes, Textures], list[Part]]] = {
     ".ply": lambda data, textures: [read_ply(data, textures)],
@@ -39,6 +39,7 @@ def read_mesh(
     flip_texture: bool = False,
     flip_normals: bool = False,
     srgb: bool = False,
+    max_texels: int = MAX_TEXELS,
 ) -> Mesh:
     """Read a mesh with its normals and albedo.
 
@@ -63,6 +64,8 @@ def read_mesh(
     srgb
         Whether vertex and material colours are encoded in sRGB and should be made linear; they
         are taken as linear otherwise.
+    max_texels
+        Most pixels of all textures together.
 
     Raises
     ------
@@ -80,7 +83,7 @@ def read_mesh(
     if suffix not in _READERS:
         raise FileError(f"{path}: is not a mesh file; give one of {', '.join(MESH_SUFFIXES)}")
     data = read_bytes(path)
-    textures = Textures(path, linear=texture_linear, wanted=texture is None)
+    textures = Textures(path, linear=texture_linear, wanted=texture is None, max_pixels=max_texels)
     picture = None if texture is None else textures.from_file(Path(texture))
     try:
         with np.errstate(all="ignore"):  # of overflow and NaN in what is refused below

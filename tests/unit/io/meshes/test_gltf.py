@@ -348,3 +348,35 @@ def test_faces_of_one_part_cannot_name_vertices_of_another(tmp_path):
     second = {"attributes": {"POSITION": glb.add(TRIANGLE)}}
     with pytest.raises(FileError, match="faces must index 3 vertices"):
         read_mesh(glb.write(tmp_path / "a.glb", first, second))
+
+
+@pytest.mark.parametrize("embedded", [True, False])
+def test_textures_of_16_bits_are_srgb_in_gltf(tmp_path, embedded):
+    glb = pictured(np.full((2, 2), 100 * 257, np.uint16))
+    if not embedded:
+        (tmp_path / "a.png").write_bytes(png(np.full((2, 2), 100 * 257, np.uint16)))
+        glb.tree["images"] = [{"uri": "a.png"}]
+    uv = np.full((3, 2), 0.5, "f4")
+    attributes = {"POSITION": glb.add(TRIANGLE), "TEXCOORD_0": glb.add(uv)}
+    path = glb.write(tmp_path / "a.glb", {"attributes": attributes, "material": 0})
+    with pytest.warns(FileWarning, match="has 16 bits and is taken as sRGB"):
+        assert np.allclose(read_mesh(path).albedo, linear(100))
+    assert np.allclose(_linear(path).albedo, 100 / 255)
+
+
+def test_transparency_of_a_texture_is_left_out(tmp_path):
+    glb = pictured(np.full((2, 2, 4), (100, 100, 100, 7), np.uint8))
+    uv = np.full((3, 2), 0.5, "f4")
+    attributes = {"POSITION": glb.add(TRIANGLE), "TEXCOORD_0": glb.add(uv)}
+    path = glb.write(tmp_path / "a.glb", {"attributes": attributes, "material": 0})
+    assert np.allclose(_linear(path).albedo, 100 / 255)
+
+
+def test_a_damaged_texture_is_named_by_its_number(tmp_path):
+    glb = pictured(np.zeros((2, 2), np.uint8))
+    glb.tree["images"] = [{"bufferView": glb.view(b"no picture")}]
+    uv = np.full((3, 2), 0.5, "f4")
+    attributes = {"POSITION": glb.add(TRIANGLE), "TEXCOORD_0": glb.add(uv)}
+    path = glb.write(tmp_path / "a.glb", {"attributes": attributes, "material": 0})
+    with pytest.raises(FileError, match=r"a\.glb: image 0: cannot be read as an image"):
+        read_mesh(path)

@@ -11,7 +11,6 @@ from data_synth.shapes import sphere
 from harmface.errors import FileError, FileWarning
 from harmface.geometry import frame_orthographic, gbuffer
 from harmface.io import read_mesh
-from harmface.io.meshes import textures
 from harmface.reproduce.synthetic import mesh_of
 
 BALL = mesh_of(sphere())
@@ -105,11 +104,23 @@ def test_a_picture_between_the_vertices_is_seen_by_the_g_buffer(tmp_path):
     assert view.albedo[..., 0].sum() == pytest.approx(100, rel=0.01)
 
 
-def test_textures_are_bounded_before_memory_is_taken(tmp_path, pictured, monkeypatch):
-    monkeypatch.setattr(textures, "MAX_PIXELS", 15)
+def test_textures_are_bounded_before_memory_is_taken(tmp_path, pictured):
     Image.fromarray(np.zeros((4, 4), np.uint8)).save(tmp_path / "t.png")
-    with pytest.raises(FileError, match="more pixels than the limit of 15"):
-        read_mesh(pictured, texture=tmp_path / "t.png")
+    texture = {"texture": tmp_path / "t.png", "texture_linear": True}
+    with pytest.raises(FileError, match=r"more pixels than the limit of 15.*max_texels"):
+        read_mesh(pictured, **texture, max_texels=15)
+    assert not read_mesh(pictured, **texture, max_texels=16).albedo.any()
+
+
+def test_all_textures_of_a_mesh_are_bounded_together(tmp_path):
+    for name in "ab":
+        Image.fromarray(np.zeros((4, 4), np.uint8)).save(tmp_path / f"{name}.png")
+    (tmp_path / "a.mtl").write_text("newmtl a\nmap_Kd a.png\nnewmtl b\nmap_Kd b.png\n")
+    faces = "usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1/1 2/2 3/3\n"
+    (tmp_path / "a.obj").write_text("mtllib a.mtl\n" + PICTURED + faces)
+    with pytest.raises(FileError, match=r"b\.png: .*more pixels than the limit of 4"):
+        read_mesh(tmp_path / "a.obj", texture_linear=True, max_texels=20)
+    read_mesh(tmp_path / "a.obj", texture_linear=True, max_texels=32)
 
 
 def test_a_damaged_texture_is_named(tmp_path, pictured):
