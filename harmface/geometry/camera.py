@@ -147,8 +147,14 @@ def frame_orthographic(mesh: Mesh, shape: int | tuple[int, int]) -> Orthographic
         Rows and columns of the picture, or one number for a square.
     """
     rows, columns = shape if isinstance(shape, tuple) else (shape, shape)
-    _check_shape((rows, columns))
-    low, high = mesh.bounds
+    return frame_box(mesh.bounds, (rows, columns))
+
+
+def frame_box(bounds: Float[np.ndarray, "2 3"], shape: tuple[int, int]) -> OrthographicCamera:
+    """Return the camera of `frame_orthographic` for least and greatest coordinates."""
+    rows, columns = shape
+    _check_shape(shape)
+    low, high = bounds
     middle = (low + high) / 2
     width, height, thickness = high - low
     span = FRAME_MARGIN * max(height, width * rows / columns)

@@ -8,9 +8,10 @@ from jaxtyping import Float, UInt8
 
 from harmface import checks
 from harmface.errors import ArgumentError
-from harmface.geometry.camera import frame_orthographic
-from harmface.geometry.gbuffer import GBuffer, gbuffer
+from harmface.geometry.camera import frame_box, frame_orthographic
+from harmface.geometry.gbuffer import gbuffer
 from harmface.geometry.mesh import Mesh
+from harmface.geometry.rays import used_vertices
 
 _SIZE = 80
 """Rows and columns of the pictures that faces are looked for in; the least face looked for,
@@ -35,10 +36,8 @@ def outward_share(mesh: Mesh) -> float:
     mesh
         Any surface.
     """
-    view = _seen(mesh)
-    if not view.mask.any():
-        return 0.0
-    return float((view.normals[view.mask][:, 2] > 0).mean())
+    facing = _normals_seen(mesh, np.eye(3))[..., 2]
+    return float((facing > 0).sum() / max(1, (facing != 0).sum()))
 
 
 def face_rotation(mesh: Mesh) -> str | None:
@@ -58,9 +57,10 @@ def face_rotation(mesh: Mesh) -> str | None:
         Empty if a face is seen already; None if none is seen from any side.
     """
     for text, rotation in _orientations():
-        view = _seen(mesh.rotated(rotation))
-        side = 1 if view.normals[..., 2].sum() > 0 else -1
-        if _is_face(np.maximum(side * view.normals @ _LIGHT, 0)):
+        normals = _normals_seen(mesh, rotation)
+        side = 1 if normals[..., 2].sum() > 0 else -1
+        shaded = np.maximum(side * normals @ _LIGHT, 0)
+        if _is_face(shaded.reshape(_SIZE, _SIZE, 4).mean(axis=2)):
             return text
     return None
 
@@ -73,7 +73,8 @@ def paints_a_face(mesh: Mesh) -> bool:
     mesh
         A surface with a texture or vertex colours.
     """
-    return _is_face(_seen(mesh).albedo.mean(axis=-1))
+    view = gbuffer(mesh, frame_orthographic(mesh, _SIZE), supersampling=2)
+    return _is_face(view.albedo.mean(axis=-1))
 
 
 def axis_rotations(text: str) -> Float[np.ndarray, "3 3"]:
@@ -133,8 +134,23 @@ def _orientations() -> Iterator[tuple[str, Float[np.ndarray, "3 3"]]]:
                     yield text, rotation
 
 
-def _seen(mesh: Mesh) -> GBuffer:
-    return gbuffer(mesh, frame_orthographic(mesh, _SIZE), supersampling=2)
+def _normals_seen(mesh: Mesh, rotation: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "samples 3"]:
+    """Return the normals of a turned mesh at four samples a pixel; zero in the background.
+
+    The rays are turned instead of the mesh, which need not be made ready for rays each time.
+    """
+    used = mesh.vertices[used_vertices(mesh.faces, len(mesh.vertices))] @ rotation.T
+    camera = frame_box(np.stack([used.min(axis=0), used.max(axis=0)]), (_SIZE, _SIZE))
+    origins, directions = camera.rays(2)
+    hits = mesh.rays.first_hits(mesh.rays.local(origins @ rotation), directions @ rotation)
+    hit = hits.face >= 0
+    if not hit.any():
+        raise ArgumentError("mesh must be seen from the front, but no ray meets it")
+    u, v = hits.u[hit], hits.v[hit]
+    corners = mesh.normals[mesh.faces[hits.face[hit]]]
+    normals = np.zeros((len(hit), 3))
+    normals[hit] = np.einsum("nc,nci->ni", np.stack([1 - u - v, u, v], axis=1), corners)
+    return normals @ rotation.T
 
 
 def _is_face(picture: Float[np.ndarray, "H W"]) -> bool:
