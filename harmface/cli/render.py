@@ -16,7 +16,8 @@ from harmface.cli.common import (
     output,
     progress,
 )
-from harmface.cli.light_source import FrameOption, LayoutOption, load_light
+from harmface.cli.light_source import EnvironmentReading
+from harmface.cli.option_groups import with_options
 from harmface.conventions import light_direction
 from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, frame_orthographic, gbuffer
@@ -31,6 +32,7 @@ BRIGHTEST = 0.95
 """Where automatic exposure puts the 99.5th percentile of the surface, as a share of white."""
 
 
+@with_options("reading", EnvironmentReading)
 def render(
     mesh: MeshArgument,
     out: Annotated[Path, typer.Option(help="PNG file to write.")],
@@ -49,8 +51,6 @@ def render(
             "eucalyptus, st-peters, which render through harmonics, without cast shadows.",
         ),
     ] = None,
-    layout: LayoutOption = "latlong",
-    frame: FrameOption = None,
     cast_shadows: Annotated[bool, typer.Option(help="Whether the mesh shadows itself.")] = True,
     size: SizeOption = 256,
     exposure: Annotated[
@@ -63,6 +63,8 @@ def render(
     ] = False,
     texture: TextureOption = None,
     srgb_colors: SrgbColorsOption = False,
+    *,
+    reading: EnvironmentReading,
 ) -> None:
     """Render a mesh from the front by brute force: no harmonics, shadows by ray casting.
 
@@ -85,7 +87,7 @@ def render(
         )
     else:
         assert environment is not None
-        source = load_light(environment, layout, frame)
+        source = reading.load_light(environment)
     if isinstance(source, np.ndarray):
         image = np.zeros(albedo.shape)
         received = harmonic_irradiance(source, view.normals[view.mask])
