@@ -25,6 +25,16 @@ SrgbOption = Annotated[
 SkipBadOption = Annotated[
     bool, typer.Option("--skip-bad", help="Go on without files that cannot be used; name them.")
 ]
+SessionsOption = Annotated[
+    bool,
+    typer.Option(
+        "--sessions", help="Folders in a subject's folder are sessions, not subjects themselves."
+    ),
+]
+MaxPixelsOption = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Largest picture read, in pixels; 67 million by default."),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
 output = Console()
@@ -85,36 +95,54 @@ def rows_of_square(text: str) -> int:
 
 
 def read_subjects(
-    folder: Path, size: tuple[int, int] | None, srgb: bool, skip_bad: bool
+    folder: Path,
+    size: tuple[int, int] | None,
+    srgb: bool,
+    skip_bad: bool,
+    *,
+    sessions: bool = False,
+    max_pixels: int | None = None,
 ) -> tuple[list["Photograph"], np.ndarray, list[FileError]]:
     """Return the photographs of a folder, their pixels, and the errors of those left out."""
     from harmface.io import find_photographs, read_photographs
 
-    found = find_photographs(folder)
-    folders: dict[str, Path] = {}
-    for photograph in found:
-        if folders.setdefault(photograph.subject, photograph.path.parent) != photograph.path.parent:
-            raise FileError(
-                f"{photograph.path.parent}: is the second folder of subject "
-                f"{photograph.subject!r}, after {folders[photograph.subject]}; rename or merge it"
-            )
     skipped: list[FileError] = []
-    with errors.status("reading"):
+    with told(), errors.status("reading"):
         kept, images = read_photographs(
-            found, srgb=srgb, size=size, bad=skipped.append if skip_bad else None
+            find_photographs(folder, sessions=sessions),
+            srgb=srgb,
+            size=size,
+            max_pixels=pixel_limit(max_pixels),
+            bad=skipped.append if skip_bad else None,
         )
     tell_skipped(skipped)
     return kept, images, skipped
 
 
+def pixel_limit(max_pixels: int | None) -> int:
+    """Return what `--max-pixels N` says."""
+    from harmface.io import MAX_PIXELS
+
+    return MAX_PIXELS if max_pixels is None else checks.positive_integer("--max-pixels", max_pixels)
+
+
 def read_enrolled(
-    folder: Path, gallery: str | None, shape: tuple[int, int] | None, srgb: bool, skip_bad: bool
+    folder: Path,
+    gallery: str | None,
+    shape: tuple[int, int] | None,
+    srgb: bool,
+    skip_bad: bool,
+    *,
+    sessions: bool = False,
+    max_pixels: int | None = None,
 ) -> tuple["LabelledPhotographs", dict[str, Any]]:
     """Return the photographs of a folder that are to be enrolled, and how they were read."""
-    from harmface.io import choose_gallery
+    from harmface.io import choose_gallery, read_image
     from harmface.io.galleries import LabelledPhotographs
 
-    kept, images, skipped = read_subjects(folder, shape, srgb, skip_bad)
+    kept, images, skipped = read_subjects(
+        folder, shape, srgb, skip_bad, sessions=sessions, max_pixels=max_pixels
+    )
     chosen = np.ones(len(kept), bool) if gallery is None else choose_gallery(kept, gallery)
     used = [photograph for photograph, wanted in zip(kept, chosen, strict=True) if wanted]
     facts = {
@@ -124,6 +152,10 @@ def read_enrolled(
         "resized": shape is not None,
         "skipped": [str(error) for error in skipped],
     }
+    if shape is not None:
+        with told():
+            first = read_image(kept[0].path, max_pixels=pixel_limit(max_pixels))
+        facts["rows_and_columns"] = list(first.shape[:2])
     return LabelledPhotographs(tuple(each.subject for each in used), images[chosen]), facts
 
 
@@ -137,16 +169,27 @@ def tell_skipped(skipped: list[FileError]) -> None:
 
 
 def read_probes(
-    paths: list[Path], mask: np.ndarray, resize: bool, srgb: bool, skip_bad: bool
+    paths: list[Path],
+    mask: np.ndarray,
+    srgb: bool,
+    skip_bad: bool,
+    *,
+    like: tuple[int, int] | None,
+    max_pixels: int | None = None,
 ) -> tuple[list[Path], np.ndarray, list[FileError]]:
-    """Return the images that can be compared on a mask, and the errors of those left out."""
+    """Return the images that can be compared on a mask, and the errors of those left out.
+
+    `like` says how many rows and columns the photographs of the gallery had before they were
+    resized to the mask's, if they were: images are resized as they were.
+    """
     kept: list[Path] = []
     probes: list[np.ndarray] = []
     skipped: list[FileError] = []
-    with progress("reading") as report:
+    limit = pixel_limit(max_pixels)
+    with told(), progress("reading") as report:
         for number, path in enumerate(paths):
             try:
-                probes.append(_probe(path, mask, resize, srgb))
+                probes.append(_probe(path, mask, like, srgb, limit))
                 kept.append(path)
             except FileError as error:
                 if not skip_bad:
@@ -159,16 +202,17 @@ def read_probes(
     return kept, np.stack(probes), skipped
 
 
-def _probe(path: Path, mask: np.ndarray, resize: bool, srgb: bool) -> np.ndarray:
+def _probe(
+    path: Path, mask: np.ndarray, like: tuple[int, int] | None, srgb: bool, max_pixels: int
+) -> np.ndarray:
     from harmface.conventions import luminance
     from harmface.io import read_image
+    from harmface.io.photo_sets import resized
 
-    image = read_image(path, srgb=srgb)
+    image = read_image(path, srgb=srgb, max_pixels=max_pixels)
     image = luminance(image) if image.ndim == 3 else image
-    if resize and image.shape != mask.shape:
-        import cv2
-
-        image = cv2.resize(image, mask.shape[::-1], interpolation=cv2.INTER_AREA)
+    if like is not None:
+        image = resized(path, image, (mask.shape[0], mask.shape[1]), like)
     if image.shape != mask.shape:
         raise FileError(
             f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, the gallery has "

@@ -15,6 +15,8 @@ from rich.table import Table
 
 from harmface.cli.common import (
     JsonOption,
+    MaxPixelsOption,
+    SessionsOption,
     SkipBadOption,
     SrgbOption,
     errors,
@@ -71,6 +73,8 @@ def evaluate(
         ),
     ] = None,
     srgb: SrgbOption = False,
+    sessions: SessionsOption = False,
+    max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -95,7 +99,9 @@ def evaluate(
         recognizer(setting.removeprefix(RENDERED), (1, 1), 1)
     if out is not None and out.exists():
         prepare_folder(out, [RESULTS, TABLE, FIGURE])
-    kept, images, skipped = read_subjects(folder, shape, srgb, skip_bad)
+    kept, images, skipped = read_subjects(
+        folder, shape, srgb, skip_bad, sessions=sessions, max_pixels=max_pixels
+    )
     enrolled = choose_gallery(kept, gallery)
     if enrolled.all():
         raise ArgumentError(f"gallery {gallery} holds every photograph, and leaves no probe")

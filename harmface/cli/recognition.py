@@ -11,6 +11,8 @@ from rich.table import Table
 from harmface import checks
 from harmface.cli.common import (
     JsonOption,
+    MaxPixelsOption,
+    SessionsOption,
     SkipBadOption,
     SrgbOption,
     errors,
@@ -79,6 +81,8 @@ def enroll(
         ),
     ] = False,
     srgb: SrgbOption = False,
+    sessions: SessionsOption = False,
+    max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
     *,
     mesh_reading: MeshReading,
@@ -104,11 +108,14 @@ def enroll(
             raise ArgumentError(
                 "--cast-shadows and options on how to read a mesh are for meshes, not photographs"
             )
-        enrolled = _from_photographs(sources[0], method, gallery, size, srgb, skip_bad, from_stereo)
+        how = {"sessions": sessions, "max_pixels": max_pixels}
+        enrolled = _from_photographs(
+            *(sources[0], method, gallery, size, srgb, skip_bad, from_stereo), how
+        )
     else:
-        if gallery is not None or srgb or from_stereo:
+        if gallery is not None or srgb or from_stereo or sessions:
             raise ArgumentError(
-                "--gallery, --from-stereo and --srgb are for photographs, not meshes"
+                "--gallery, --from-stereo, --sessions and --srgb are for photographs, not meshes"
             )
         enrolled = _from_meshes(sources, method, size, cast_shadows, mesh_reading, skip_bad)
     write_gallery(out, enrolled)
@@ -139,6 +146,7 @@ def recognize(
         typer.Option(help="PNG: each image, how the two nearest subjects explain it, the light."),
     ] = None,
     srgb: SrgbOption = False,
+    max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -164,8 +172,9 @@ def recognize(
     matcher = matcher_of(enrolled, method or enrolled.method, gallery)
     facts = enrolled.facts
     paths, probes, skipped = read_probes(
-        *(images, enrolled.mask, facts.get("resized") is True),
-        *(srgb or facts.get("srgb") is True, skip_bad),
+        *(images, enrolled.mask, srgb or facts.get("srgb") is True, skip_bad),
+        like=_stored_size(enrolled),
+        max_pixels=max_pixels,
     )
     if figure is not None and len(paths) > MOST_PICTURED:
         raise ArgumentError(
@@ -212,6 +221,20 @@ def recognize(
         _print_answer(result, rejection)
 
 
+def _stored_size(enrolled: "Enrolled") -> tuple[int, int] | None:
+    """Return the rows and columns of a gallery's photographs before they were resized, if so."""
+    if enrolled.facts.get("resized") is not True:
+        return None
+    found = enrolled.facts.get("rows_and_columns", enrolled.mask.shape)
+    if not (
+        isinstance(found, list | tuple)
+        and len(found) == 2
+        and all(isinstance(side, int) and side > 0 for side in found)
+    ):
+        raise FileError("the gallery's rows_and_columns are not two numbers; enroll again")
+    return found[0], found[1]
+
+
 def _from_photographs(
     folder: Path,
     method: str | None,
@@ -220,6 +243,7 @@ def _from_photographs(
     srgb: bool,
     skip_bad: bool,
     from_stereo: bool,
+    how: dict[str, Any],
 ) -> "Enrolled":
     from harmface.enrollment import with_nine_points
     from harmface.io.galleries import LabelledPhotographs, enrolled_photographs
@@ -234,7 +258,7 @@ def _from_photographs(
             f"{', '.join(METHODS)}"
         )
     recognizer(method, (1, 1), 1)  # names the methods there are before anything is read
-    photographs, facts = read_enrolled(folder, gallery, shape, srgb, skip_bad)
+    photographs, facts = read_enrolled(folder, gallery, shape, srgb, skip_bad, **how)
     if from_stereo:
         lights = [yale_light(Path(name).name) for name in facts["files"]]
         taken = np.array(photographs.subjects)

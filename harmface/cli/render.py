@@ -8,7 +8,7 @@ import numpy as np
 import typer
 
 from harmface.cli.common import SizeOption, output, progress
-from harmface.cli.light_source import FrameOption, LayoutOption, load_light
+from harmface.cli.light_source import EnvironmentReading
 from harmface.cli.mesh_options import MeshArgument, MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.conventions import light_direction
@@ -26,6 +26,7 @@ BRIGHTEST = 0.95
 
 
 @with_options("mesh_reading", MeshReading)
+@with_options("reading", EnvironmentReading)
 def render(
     mesh: MeshArgument,
     out: Annotated[Path, typer.Option(help="PNG file to write.")],
@@ -44,8 +45,6 @@ def render(
             "eucalyptus, st-peters, which render through harmonics, without cast shadows.",
         ),
     ] = None,
-    layout: LayoutOption = "latlong",
-    frame: FrameOption = None,
     cast_shadows: Annotated[bool, typer.Option(help="Whether the mesh shadows itself.")] = True,
     size: SizeOption = 256,
     exposure: Annotated[
@@ -57,6 +56,7 @@ def render(
         bool, typer.Option("--srgb/--linear", help="Encode for the screen, or keep linear.")
     ] = False,
     *,
+    reading: EnvironmentReading,
     mesh_reading: MeshReading,
 ) -> None:
     """Render a mesh from the front by brute force: no harmonics, shadows by ray casting.
@@ -80,7 +80,7 @@ def render(
         )
     else:
         assert environment is not None
-        source = load_light(environment, layout, frame)
+        source = reading.load_light(environment)
     if isinstance(source, np.ndarray):
         image = np.zeros(albedo.shape)
         received = harmonic_irradiance(source, view.normals[view.mask])

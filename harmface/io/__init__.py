@@ -17,10 +17,12 @@ from harmface.io.light_files import Lights, read_lights
 from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
+from harmface.io.pictures import MAX_PIXELS
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
 
 __all__ = [
+    "MAX_PIXELS",
     "MESH_FILES",
     "Capture",
     "Dataset",

@@ -162,7 +162,7 @@ def _read_pixels(path: Path | str, how: _Reading) -> Float[np.ndarray, "H W *cha
     if how.srgb is None and picture.bits == 8:
         notes += (
             f"{path}: holds 8 bits, which are taken as linear; if it looks right on a screen they "
-            "are sRGB: say srgb (--srgb)",
+            "are sRGB: say srgb=True (--srgb, or --srgb-environment)",
         )
     for note in notes:
         warnings.warn(note, FileWarning, stacklevel=2)

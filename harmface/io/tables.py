@@ -5,6 +5,7 @@ import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -97,8 +98,8 @@ def npy_array(data: bytes) -> np.ndarray:
     return array.reshape(shape, order="F" if fortran else "C")
 
 
-def npy_header(file: io.BufferedIOBase) -> tuple[tuple[int, ...], bool, np.dtype]:
-    """Return shape, whether columns come first, and dtype as the header of an NPY file has them."""
+def npy_header(file: Any) -> tuple[tuple[int, ...], bool, np.dtype]:
+    """Return shape, whether columns come first, and dtype, as an open NPY file begins with them."""
     major, _ = np.lib.format.read_magic(file)
     if major not in _NPY_HEADERS:
         raise ValueError(f"its NPY version is {major}")
