@@ -12,6 +12,7 @@ from harmface.cli.common import (
     SizeOption,
     SrgbColorsOption,
     TextureOption,
+    claim_outputs,
     load_mesh,
     output,
 )
@@ -40,6 +41,7 @@ def basis(
     from harmface.rendering import harmonic_images
 
     checks.degree("degree", degree)
+    claim_outputs(out, figure, inputs=[mesh, *filter(None, [texture])])
     surface = load_mesh(mesh, texture, srgb_colors)
     view = gbuffer(surface, frame_orthographic(surface, size), supersampling=2)
     albedo = luminance(view.albedo)

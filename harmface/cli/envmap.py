@@ -9,7 +9,7 @@ import typer
 from rich.table import Table
 
 from harmface import checks
-from harmface.cli.common import JsonOption, output
+from harmface.cli.common import JsonOption, claim_outputs, output
 from harmface.cli.light_source import (
     FrameOption,
     LayoutOption,
@@ -87,6 +87,7 @@ def irradiance(
     from harmface.rendering import irradiance_error, irradiance_map
 
     checks.degree("--degree", degree)
+    claim_outputs(out, inputs=[source])
     light = load_light(source, layout, frame)
     if isinstance(light, EnvironmentMap):
         coefficients = project_map(light, degree)
@@ -135,6 +136,7 @@ def convert(
     from harmface.io import file_layout, write_environment_map
     from harmface.light import resample
 
+    claim_outputs(out, inputs=environment)
     drawn = resample(load_map(environment, layout, frame), file_layout(to), size)
     write_environment_map(out, drawn.as_image(), arrangement=arrangement)
     output.print(f"{to} map in {out}")
@@ -160,6 +162,7 @@ def rotate(
 
     checks.finite("--azimuth and --elevation", np.array([azimuth, elevation]))
     turn = Rotation.from_euler("yx", [azimuth, -elevation], degrees=True).as_matrix()
+    claim_outputs(out, inputs=environment)
     found = load_map(environment, layout, frame)
     turned = resample(found.rotated(turn), found.layout, found.height)
     write_environment_map(out, turned.as_image())
@@ -182,6 +185,7 @@ def show(
     from harmface.viz import environment_figure, write_figure
 
     checks.degree("--degree", degree)
+    claim_outputs(out, inputs=environment)
     found = load_map(environment, layout, frame)
     write_figure(out, environment_figure(found, project_map(found, degree)))
     output.print(f"picture in {out}")

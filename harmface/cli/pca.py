@@ -15,6 +15,7 @@ from harmface.cli.common import (
     SizeOption,
     SrgbColorsOption,
     TextureOption,
+    claim_outputs,
     load_mesh,
     output,
 )
@@ -74,6 +75,7 @@ def pca(
             f"--empirical must be at least {SHOWN} images, one a component, got {empirical}"
         )
     half_angle = _half_angle(light)
+    claim_outputs(figure, inputs=[source, *filter(None, [texture])])
     distribution = theory.cone_lights(degree, half_angle)
     normals, luminance_albedo = _seen(source, size, texture, srgb_colors)
     mask = np.asarray(normals.any(axis=-1))

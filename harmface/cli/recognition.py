@@ -14,6 +14,7 @@ from harmface.cli.common import (
     SkipBadOption,
     SrgbColorsOption,
     SrgbOption,
+    claim_outputs,
     errors,
     holds_photographs,
     load_mesh,
@@ -97,6 +98,7 @@ def enroll(
     """
     from harmface.io import write_gallery
 
+    claim_outputs(out, inputs=sources)
     if holds_photographs(sources):
         if cast_shadows or srgb_colors:
             raise ArgumentError("--cast-shadows and --srgb-colors are for meshes, not photographs")
@@ -156,6 +158,7 @@ def recognize(
     from harmface.recognition.evaluation import independence
 
     checks.positive_integer("--top", top)
+    claim_outputs(figure, inputs=[gallery, *images])
     enrolled = read_gallery(gallery)
     matcher = matcher_of(enrolled, method or enrolled.method, gallery)
     facts = enrolled.facts

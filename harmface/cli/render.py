@@ -12,6 +12,7 @@ from harmface.cli.common import (
     SizeOption,
     SrgbColorsOption,
     TextureOption,
+    claim_outputs,
     load_mesh,
     output,
     progress,
@@ -75,6 +76,7 @@ def render(
 
     if (light is None) == (environment is None):
         raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
+    claim_outputs(out, inputs=[mesh, *filter(None, [texture, environment])])
     surface = load_mesh(mesh, texture, srgb_colors)
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)

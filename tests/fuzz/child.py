@@ -59,6 +59,8 @@ def main(name: str, first: int, count: int, keep: str | None = None) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (_status("VmSize") + CEILING, resource.RLIM_INFINITY))
     warnings.simplefilter("always")
     say = os.fdopen(os.dup(1), "w")
+    own = os.fdopen(os.dup(2), "w")
+    sys.excepthook = lambda *error: traceback.print_exception(*error, file=own)
     noise = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as the process
     for stream in (1, 2):
         os.dup2(noise.fileno(), stream)

@@ -49,10 +49,10 @@ def npz_parts(data: bytes) -> list[bytes]:
 def npz_whole(parts: list[bytes]) -> bytes:
     """Return an archive that ends with a valid digest, as the package writes it."""
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for part in parts:
             name, _, content = part.partition(b"\0")
-            archive.writestr(name.decode("latin-1") or "x", content)
+            archive.writestr(name[:100].decode("latin-1") or "x", content)
     body = buffer.getvalue()[:-2]
     comment = b"harmface sha256 " + hashlib.sha256(body).hexdigest().encode()
     return body + len(comment).to_bytes(2, "little") + comment

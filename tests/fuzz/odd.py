@@ -93,9 +93,6 @@ def hdr() -> list[Files]:
 
 
 def npz(name: str) -> list[Files]:
-    bomb = io.BytesIO()
-    header = {"descr": "<f8", "fortran_order": False, "shape": (2**27,)}
-    np.lib.format.write_array_header_1_0(bomb, header)
     descriptions = (
         DEEP,
         b"(" * 3000,
@@ -103,17 +100,25 @@ def npz(name: str) -> list[Files]:
         b"{'descr': '<f8', 'shape': (1e999,)}",
         b"-" * 10_000,
     )
-    deep = [
-        b"header.npy\0\x93NUMPY\2\0" + struct.pack("<I", len(text)) + text for text in descriptions
-    ]
     return [
-        {name: containers.npz_whole([b"a.npy\0" + bomb.getvalue() + bytes(2**30)])},
-        *({name: containers.npz_whole([part])} for part in deep),
+        {
+            name: containers.npz_whole(
+                [b"header.npy\0\x93NUMPY\2\0" + struct.pack("<I", len(text)) + text]
+            )
+        }
+        for text in descriptions
     ]
 
 
 def gallery() -> list[Files]:
-    return npz("g.npz")
+    # A gibibyte of zeros in a megabyte.
+    array = io.BytesIO()
+    header = {"descr": "<f8", "fortran_order": False, "shape": (4, 2**12, 2**13)}
+    np.lib.format.write_array_header_1_0(array, header)
+    parts = containers.npz_parts(seeds.gallery()[0]["g.npz"])
+    zeros = b"images.npy\0" + array.getvalue() + bytes(2**30)
+    parts = [zeros if part.startswith(b"images") else part for part in parts]
+    return [{"g.npz": containers.npz_whole(parts)}, *npz("g.npz")]
 
 
 def probe_grid() -> list[Files]:
