@@ -58,8 +58,8 @@ CALLS = {
         {"directions": GRID[0], "irradiances": RNG.random((3, 10))},
     ),
     "from_image": (
-        lambda image: light.EnvironmentMap.from_image(image).radiance,
-        {"image": RNG.random((4, 8, 3))},
+        lambda radiance: light.EnvironmentMap.from_image(radiance).radiance,
+        {"radiance": RNG.random((4, 8, 3))},
     ),
     "add_lights": (lambda coefficients: light.add_lights(coefficients), {"coefficients": NINE}),
     "ambient": (lambda radiance: light.ambient(radiance, 2), {"radiance": RNG.random(3)}),
