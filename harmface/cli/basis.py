@@ -7,7 +7,7 @@ import numpy as np
 import typer
 
 from harmface import checks
-from harmface.cli.common import SizeOption, output
+from harmface.cli.common import SizeOption, claim_outputs, output
 from harmface.cli.mesh_options import MeshArgument, MeshReading
 from harmface.cli.option_groups import with_options
 
@@ -36,6 +36,7 @@ def basis(
     from harmface.rendering import harmonic_images
 
     checks.degree("degree", degree)
+    claim_outputs(out, figure, inputs=mesh_reading.files(mesh))
     surface = mesh_reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size), supersampling=2)
     albedo = luminance(view.albedo)

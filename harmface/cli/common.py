@@ -1,8 +1,9 @@
 """What several commands share: tables, progress, option types, sets of photographs."""
 
+import os
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -37,8 +38,52 @@ MaxPixelsOption = Annotated[
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
-output = Console()
-errors = Console(stderr=True)
+# Names are shown as they are: brackets in them are no markup, nor are colons a picture.
+output = Console(markup=False, emoji=False)
+errors = Console(stderr=True, markup=False, emoji=False)
+
+_claimed = ExitStack()
+
+
+@contextmanager
+def releasing_outputs() -> Iterator[None]:
+    """Let go of all outputs, see `claim_outputs`, in the end."""
+    with _claimed:
+        yield
+
+
+def claim_outputs(*outputs: Path | None, inputs: Iterable[Path] = ()) -> None:
+    """Keep other processes from the files a command will write, until it ends.
+
+    Raises
+    ------
+    FileError
+        If one of them is an input, lies in a folder that is read and would be read with it, is
+        another output, a folder, a device or a pipe, or if another process is writing it.
+    """
+    from harmface.io import claim
+    from harmface.io.atomic import check_output
+    from harmface.io.meshes import MESH_SUFFIXES
+    from harmface.io.photo_folders import PHOTOGRAPH_SUFFIXES
+
+    read = [Path(os.path.realpath(path)) for path in inputs]
+    claimed: list[Path] = []
+    for path in outputs:
+        if path is None:
+            continue
+        target = check_output(path)
+        among = target.suffix.lower() in (*MESH_SUFFIXES, *PHOTOGRAPH_SUFFIXES)
+        if target in read or (among and not read_apart(target, read)):
+            raise FileError(f"{path}: is read as well; give another name to write to")
+        if target in claimed:
+            raise FileError(f"{path}: is the name of two outputs; give each its own")
+        claimed.append(target)
+        _claimed.enter_context(claim(path))
+
+
+def read_apart(output: Path, inputs: Iterable[Path]) -> bool:
+    """Return whether an output lies in none of the folders that are read; all as real paths."""
+    return not any(folder in output.parents for folder in inputs)
 
 
 def holds_photographs(sources: list[Path]) -> bool:

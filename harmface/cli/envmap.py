@@ -9,7 +9,7 @@ import typer
 from rich.table import Table
 
 from harmface import checks
-from harmface.cli.common import JsonOption, output
+from harmface.cli.common import JsonOption, claim_outputs, output
 from harmface.cli.light_source import MapArgument, MapReading
 from harmface.cli.option_groups import with_options
 from harmface.conventions import degree_order, max_degree_of
@@ -84,6 +84,7 @@ def irradiance(
     from harmface.rendering import irradiance_error, irradiance_map
 
     checks.degree("--degree", degree)
+    claim_outputs(out, inputs=[source])
     light = reading.load_light(source)
     if isinstance(light, EnvironmentMap):
         coefficients = project_map(light, degree)
@@ -133,6 +134,7 @@ def convert(
     from harmface.io import file_layout, write_environment_map
     from harmface.light import resample
 
+    claim_outputs(out, inputs=environment)
     drawn = resample(reading.load_map(environment), file_layout(to), size)
     write_environment_map(out, drawn.as_image(), arrangement=arrangement)
     output.print(f"{to} map in {out}")
@@ -159,6 +161,7 @@ def rotate(
 
     checks.finite("--azimuth and --elevation", np.array([azimuth, elevation]))
     turn = Rotation.from_euler("yx", [azimuth, -elevation], degrees=True).as_matrix()
+    claim_outputs(out, inputs=environment)
     found = reading.load_map(environment)
     turned = resample(found.rotated(turn), found.layout, found.height)
     write_environment_map(out, turned.as_image())
@@ -182,6 +185,7 @@ def show(
     from harmface.viz import environment_figure, write_figure
 
     checks.degree("--degree", degree)
+    claim_outputs(out, inputs=environment)
     found = reading.load_map(environment)
     write_figure(out, environment_figure(found, project_map(found, degree)))
     output.print(f"picture in {out}")

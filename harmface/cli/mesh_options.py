@@ -56,6 +56,10 @@ class MeshReading:
         ),
     ] = False
 
+    def files(self, path: Path) -> list[Path]:
+        """Return the files that are named on the command line and read with a mesh."""
+        return [path] if self.texture is None else [path, self.texture]
+
     def load(self, path: Path) -> Mesh:
         """Read a mesh, and say on stderr what was assumed and what looks wrong."""
         # Slow to import; commands without a mesh do without.

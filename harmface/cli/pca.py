@@ -10,7 +10,7 @@ from rich.table import Table
 
 from harmface import checks
 from harmface.cli import basis
-from harmface.cli.common import JsonOption, SizeOption, output
+from harmface.cli.common import JsonOption, SizeOption, claim_outputs, output
 from harmface.cli.mesh_options import MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError, FileError
@@ -70,6 +70,7 @@ def pca(
             f"--empirical must be at least {SHOWN} images, one a component, got {empirical}"
         )
     half_angle = _half_angle(light)
+    claim_outputs(figure, inputs=mesh_reading.files(source))
     distribution = theory.cone_lights(degree, half_angle)
     normals, luminance_albedo = _seen(source, size, mesh_reading)
     mask = np.asarray(normals.any(axis=-1))

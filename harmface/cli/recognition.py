@@ -15,6 +15,7 @@ from harmface.cli.common import (
     SessionsOption,
     SkipBadOption,
     SrgbOption,
+    claim_outputs,
     errors,
     holds_photographs,
     mesh_files,
@@ -103,6 +104,7 @@ def enroll(
     """
     from harmface.io import write_gallery
 
+    claim_outputs(out, inputs=[*sources, *filter(None, [mesh_reading.texture])])
     if holds_photographs(sources):
         if cast_shadows or mesh_reading != MeshReading():
             raise ArgumentError(
@@ -168,6 +170,7 @@ def recognize(
     from harmface.recognition.evaluation import independence
 
     checks.positive_integer("--top", top)
+    claim_outputs(figure, inputs=[gallery, *images])
     enrolled = read_gallery(gallery)
     matcher = matcher_of(enrolled, method or enrolled.method, gallery)
     facts = enrolled.facts

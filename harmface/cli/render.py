@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from harmface.cli.common import SizeOption, output, progress
+from harmface.cli.common import SizeOption, claim_outputs, output, progress
 from harmface.cli.light_source import EnvironmentReading
 from harmface.cli.mesh_options import MeshArgument, MeshReading
 from harmface.cli.option_groups import with_options
@@ -70,6 +70,7 @@ def render(
 
     if (light is None) == (environment is None):
         raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
+    claim_outputs(out, inputs=[*mesh_reading.files(mesh), *filter(None, [environment])])
     surface = mesh_reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)

@@ -45,10 +45,14 @@ class Mesh:
     texture: Texture | None = None
 
     def __post_init__(self) -> None:
-        checks.finite("vertices", self.vertices)
-        checked_faces(self.faces, len(self.vertices))
-        checks.unit_vectors("normals", self.normals)
-        checks.non_negative("albedo", self.albedo)
+        checked = {
+            "vertices": checks.finite("vertices", self.vertices),
+            "normals": checks.unit_vectors("normals", self.normals),
+            "albedo": checks.non_negative("albedo", self.albedo),
+        }
+        checked["faces"] = checked_faces(self.faces, len(checked["vertices"]))
+        for name, array in checked.items():
+            object.__setattr__(self, name, array)
         if self.albedo.max() > 1:
             raise ArgumentError(
                 f"albedo must lie in [0, 1], got {self.albedo.max():.4g}; "
@@ -88,14 +92,10 @@ def checked_faces(
     faces: Integer[np.ndarray, "F 3"], vertex_count: int
 ) -> Integer[np.ndarray, "F 3"]:
     """Return `faces` if there is at least one and each index names a vertex."""
+    faces = checks.array_of("faces", faces)
     if len(faces) == 0:
         raise ArgumentError("faces must hold at least one triangle, got none")
-    if faces.min() < 0 or faces.max() >= vertex_count:
-        raise ArgumentError(
-            f"faces must index {vertex_count} vertices, got indices from {faces.min()} "
-            f"to {faces.max()}"
-        )
-    return faces
+    return checks.indices("faces", faces, vertex_count)
 
 
 def vertex_normals(
@@ -118,7 +118,7 @@ def vertex_normals(
         Counter-clockwise triangles.
     """
     vertices = checks.finite("vertices", vertices)
-    checked_faces(faces, len(vertices))
+    faces = checked_faces(faces, len(vertices))
     _, position = np.unique(vertices, axis=0, return_inverse=True)
     position = position.reshape(-1)
     faces, _ = one_side(vertices, faces, position)
