@@ -23,7 +23,7 @@ import numpy as np
 from fuzz.odd import FIFO
 from fuzz.pitfalls import PITFALLS
 from fuzz.readers import READERS, damaged
-from harmface.errors import HarmfaceError
+from harmface.errors import FileWarning, HarmfaceError
 
 SECONDS = 5.0
 """Longest that a small file may take."""
@@ -58,6 +58,8 @@ def main(name: str, first: int, count: int, keep: str | None = None) -> None:
                 continue
     resource.setrlimit(resource.RLIMIT_AS, (_status("VmSize") + CEILING, resource.RLIM_INFINITY))
     warnings.simplefilter("always")
+    # How readers say what they assumed, and no noise.
+    warnings.simplefilter("ignore", FileWarning)
     say = os.fdopen(os.dup(1), "w")
     own = os.fdopen(os.dup(2), "w")
     sys.excepthook = lambda *error: traceback.print_exception(*error, file=own)
