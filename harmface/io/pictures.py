@@ -1,7 +1,7 @@
 """Pictures as files hold them: decoded by OpenImageIO, turned the right way up."""
 
-import io
 import re
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ from jaxtyping import Float, Num, UInt
 from harmface.conventions import srgb_to_linear
 from harmface.errors import FileError
 from harmface.io.files import PARSE_ERRORS, check_regular, excerpt, read_bytes
+from harmface.io.png import SIGNATURE, check_png, png_size
 
 FORMATS = ("png", "pnm", "tiff", "jpeg", "bmp", "webp", "targa")
 """Formats that are decoded, as OpenImageIO names them; pnm is PBM, PGM and PPM."""
@@ -32,7 +33,6 @@ MAX_SCANS = 50
 _AT_ONCE = 2**20
 """Codes looked up at once."""
 
-_PNG = b"\x89PNG\r\n\x1a\n"
 # Width, height and largest code of a PGM or PPM file; a comment may stand in every gap.
 _GAP = rb"(?:\s|#[^\n]*\n)+"
 _PNM = re.compile(rb"P[2356]" + rb"".join([_GAP + rb"(\d{1,9})"] * 3) + rb"\s")
@@ -250,26 +250,17 @@ def _notes(path: Path, source: Any, spec: Any) -> tuple[str, ...]:
 
 
 def _check_png(path: Path, max_pixels: int) -> None:
-    """Decode a PNG file with Pillow first: of a damaged one OpenImageIO writes to stderr."""
-    from PIL import PngImagePlugin
-
+    with path.open("rb") as file:
+        if file.read(len(SIGNATURE)) != SIGNATURE:
+            return
     data = read_bytes(path)
-    if not data.startswith(_PNG):
-        return
     try:
-        picture = PngImagePlugin.PngImageFile(io.BytesIO(data))
-        check_size(path, *picture.size, max_pixels)
-        picture.load()
+        check_size(path, *png_size(data), max_pixels)
+        check_png(data)
     except FileError:
         raise
-    except PARSE_ERRORS as error:
+    except (ValueError, zlib.error) as error:
         raise _unreadable(path, excerpt(error)) from None
-    # Pillow needs no end of the file where it has all pixels.
-    place = len(_PNG)
-    while data[place + 4 : place + 8] != b"IEND":
-        place += 12 + int.from_bytes(data[place : place + 4], "big")
-        if place + 12 > len(data):
-            raise _unreadable(path, "it is cut off")
 
 
 def _check_scans(path: Path) -> None:

@@ -12,7 +12,13 @@ from jaxtyping import Float
 
 from harmface import checks
 from harmface.errors import ArgumentError, FileError
-from harmface.io.files import MAX_TEXT, PARSE_ERRORS, excerpt, read_bytes
+from harmface.io.files import PARSE_ERRORS, excerpt, read_bytes
+
+MAX_TABLE = 2**20
+"""Longest table read: 1 MiB, some ten thousand lines."""
+
+_LONGEST_HEADER = 10_000
+"""Bytes of an NPY header that numpy reads."""
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 _NPY_HEADERS = {
@@ -54,7 +60,7 @@ def read_table(path: Path | str) -> Table:
         If the file holds anything else, lines of unlike length, or fewer or more lines than its
         first one promises.
     """
-    data = read_bytes(path, MAX_TEXT)
+    data = read_bytes(path, MAX_TABLE)
     if data.startswith(np.lib.format.MAGIC_PREFIX):
         return Table(_array(path, data))
     lines = _words(data.decode("utf-8-sig", "replace"))
@@ -103,6 +109,11 @@ def npy_header(file: Any) -> tuple[tuple[int, ...], bool, np.dtype]:
     major, _ = np.lib.format.read_magic(file)
     if major not in _NPY_HEADERS:
         raise ValueError(f"its NPY version is {major}")
+    place = file.tell()
+    length = int.from_bytes(file.read(2 if major == 1 else 4), "little")
+    if b"\\" in file.read(min(length, _LONGEST_HEADER)):
+        raise ValueError("its header has a backslash")  # of which Python would warn
+    file.seek(place)
     shape, fortran, dtype = _NPY_HEADERS[major](file)
     if min(shape, default=0) < 0:
         raise ValueError(f"its shape is {shape}")

@@ -175,6 +175,58 @@ def test_predictors_of_tiff_files_are_undone(tmp_path, rng):
         read_image(tmp_path / "d.tif")
 
 
+@pytest.mark.parametrize("interlaced", [0, 1])
+@pytest.mark.parametrize(("bits", "colour"), [(1, 0), (4, 3), (16, 0), (8, 2), (16, 2), (8, 6)])
+def test_png_files_are_whole_or_refused(tmp_path, rng, bits, colour, interlaced, capfd):
+    """A file by the specification, with its passes; and with every part of it damaged."""
+
+    def chunk(name, body):
+        return (
+            struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+        )
+
+    width, height, channels = 11, 9, {0: 1, 2: 3, 3: 1, 6: 4}[colour]
+    codes = rng.integers(0, 2**bits, (height, width, channels))
+    if colour == 6:
+        codes[..., 3] = 255
+    passes = (
+        *((0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4)),
+        *((2, 0, 4, 2), (0, 1, 2, 2), (1, 0, 2, 1)),
+    )
+    rows = b""
+    for top, left, down, right in passes if interlaced else ((0, 0, 1, 1),):
+        for row in codes[top::down, left::right]:
+            places = np.arange(bits)[::-1]
+            rows += b"\0" + np.packbits(row.reshape(-1, 1) >> places & 1).tobytes()
+    header = struct.pack(">II5B", width, height, bits, colour, 0, 0, interlaced)
+    palette = rng.integers(0, 256, (16, 3), dtype=np.uint8)
+    start = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"PLTE", palette.tobytes())
+    start = start if colour == 3 else start[:33]
+    pixels, end = chunk(b"IDAT", zlib.compress(rows)), chunk(b"IEND", b"")
+    (tmp_path / "a.png").write_bytes(start + pixels + end)
+    expected = palette[codes[..., 0]] / 255 if colour == 3 else codes[..., :3] / (2**bits - 1)
+    found = read_image(tmp_path / "a.png")
+    assert np.allclose(found if found.ndim == 3 else found[..., None], expected, atol=1e-15)
+    for damaged, said in (
+        (start + pixels, "cut off"),
+        (start + chunk(b"IDAT", zlib.compress(rows[:-1])) + end, "not as many"),
+        (start + chunk(b"IDAT", zlib.compress(rows + b"0")) + end, "not as many"),
+        (start + chunk(b"IDAT", zlib.compress(b"\7" + rows[1:])) + end, "pixels are damaged"),
+        (start + chunk(b"IDAT", b"no stream") + end, "header check"),
+        (start + pixels[:-1] + b"x" + end, "checksum|cut off"),
+        (start + chunk(b"XXXX", b"") + pixels + end, "unknown name"),
+        (start + pixels + chunk(b"tEXt", b"a") + pixels + end, "scattered"),
+        (start + end, "lacks a part"),
+        (start[:33].replace(b"IHDR", b"IHDX") + pixels + end, "header is damaged"),
+        (start[:24] + b"\3" + start[25:] + pixels + end, "header is damaged"),
+        (start + chunk(b"PLTE", b"12") + pixels + end, "palette"),
+    ):
+        (tmp_path / "a.png").write_bytes(damaged)
+        with pytest.raises(FileError, match=said):
+            read_image(tmp_path / "a.png")
+    assert capfd.readouterr() == ("", "")
+
+
 def test_the_palette_of_os2_is_read(tmp_path):
     palette = b"".join(bytes([code, code // 2, code // 4]) for code in range(256))
     pixels = bytes([10, 200, 0, 0, 30, 40, 0, 0])  # from the bottom, rows of four bytes
