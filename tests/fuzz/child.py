@@ -23,7 +23,8 @@ import numpy as np
 from fuzz.odd import FIFO
 from fuzz.pitfalls import PITFALLS
 from fuzz.readers import READERS, damaged
-from harmface.errors import FileWarning, HarmfaceError
+from harmface import errors
+from harmface.errors import HarmfaceError
 
 SECONDS = 5.0
 """Longest that a small file may take."""
@@ -58,8 +59,10 @@ def main(name: str, first: int, count: int, keep: str | None = None) -> None:
                 continue
     resource.setrlimit(resource.RLIMIT_AS, (_status("VmSize") + CEILING, resource.RLIM_INFINITY))
     warnings.simplefilter("always")
-    # How readers say what they assumed, and no noise.
-    warnings.simplefilter("ignore", FileWarning)
+    for kind in vars(errors).values():
+        # The package's own notes are meant; any other library's are noise.
+        if isinstance(kind, type) and issubclass(kind, Warning):
+            warnings.simplefilter("ignore", kind)
     say = os.fdopen(os.dup(1), "w")
     own = os.fdopen(os.dup(2), "w")
     sys.excepthook = lambda *error: traceback.print_exception(*error, file=own)
