@@ -36,6 +36,7 @@ _AT_ONCE = 2**20
 # Width, height and largest code of a PGM or PPM file; a comment may stand in every gap.
 _GAP = rb"(?:\s|#[^\n]*\n)+"
 _PNM = re.compile(rb"P[2356]" + rb"".join([_GAP + rb"(\d{1,9})"] * 3) + rb"\s")
+_JPEG = b"\xff\xd8"
 # A marker in a JPEG file; a zero follows every 0xff byte that is data, and restarts are no parts.
 _MARKER = re.compile(rb"\xff([^\x00\xff\xd0-\xd7])")
 
@@ -111,7 +112,7 @@ def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS, *, opaque: bool
     """
     path = Path(path)
     size = check_regular(path)
-    _check_png(path, max_pixels)
+    _check_parts(path, max_pixels)
     with opened(path) as source:
         kind = source.format_name()
         # A TGA file has no signature, so that much else looks like one: only its name tells.
@@ -120,9 +121,7 @@ def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS, *, opaque: bool
         spec = source.spec()
         check_size(path, spec.width, spec.height, max_pixels)
         largest = None
-        if kind == "jpeg":
-            _check_scans(path)
-        elif kind == "pnm":
+        if kind == "pnm":
             largest = _largest_code(path, size)
         codes = pixels(path, source, 0, spec.nchannels, str(spec.format))
         if kind == "targa" and codes.shape[2] == 4 and not _alpha_bits(path):
@@ -249,10 +248,14 @@ def _notes(path: Path, source: Any, spec: Any) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _check_png(path: Path, max_pixels: int) -> None:
+def _check_parts(path: Path, max_pixels: int) -> None:
+    """Refuse PNG and JPEG files that are not to be opened: opening decodes, or speaks on stderr."""
     with path.open("rb") as file:
-        if file.read(len(SIGNATURE)) != SIGNATURE:
-            return
+        start = file.read(len(SIGNATURE))
+    if start.startswith(_JPEG):
+        _check_scans(path, read_bytes(path))
+    if start != SIGNATURE:
+        return
     data = read_bytes(path)
     try:
         check_size(path, *png_size(data), max_pixels)
@@ -263,10 +266,9 @@ def _check_png(path: Path, max_pixels: int) -> None:
         raise _unreadable(path, excerpt(error)) from None
 
 
-def _check_scans(path: Path) -> None:
+def _check_scans(path: Path, data: bytes) -> None:
     """Refuse a JPEG file that would be decoded over and over."""
-    data = read_bytes(path)
-    scans, place = 0, 2
+    scans, place = 0, len(_JPEG)
     while (marker := _MARKER.search(data, place)) and marker[1] != b"\xd9":
         scans += marker[1] == b"\xda"
         start = marker.end()
