@@ -7,8 +7,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from harmface import checks
-from harmface.cli.common import MaxPixelsOption, told
+from harmface.cli.common import MaxPixelsOption, pixel_limit, told
 from harmface.light import PUBLISHED_PROBES, EnvironmentMap, published_probe
 
 MapArgument = Annotated[
@@ -47,10 +46,8 @@ class MapReading:
 
     def load_map(self, paths: list[Path]) -> EnvironmentMap:
         """Read a map from one file, or a cube from six; say on stderr what was assumed."""
-        from harmface.io import MAX_PIXELS, read_environment_map
+        from harmface.io import read_environment_map
 
-        if self.max_pixels is not None:
-            checks.positive_integer("--max-pixels", self.max_pixels)
         with told():
             return read_environment_map(
                 paths[0] if len(paths) == 1 else paths,
@@ -58,7 +55,7 @@ class MapReading:
                 frame=self.frame,
                 srgb=self.srgb,
                 part=self.part,
-                max_pixels=self.max_pixels or MAX_PIXELS,
+                max_pixels=pixel_limit(self.max_pixels),
             )
 
     def load_light(self, source: Path) -> EnvironmentMap | np.ndarray:

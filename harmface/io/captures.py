@@ -1,7 +1,6 @@
 """Photographs of one still object under changing light, with what is known of them."""
 
 import math
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from jaxtyping import Bool, Float
 from harmface.conventions import luminance
 from harmface.errors import FileError
 from harmface.io.clipping import Clipping
-from harmface.io.files import MAX_TEXT, excerpt, read_bytes
+from harmface.io.files import MAX_TEXT, excerpt, is_file_name, read_bytes
 from harmface.io.images import read_image
 from harmface.io.light_files import Lights, read_lights
 from harmface.io.matlab import read_matlab
@@ -142,15 +141,10 @@ def _listed(folder: Path) -> list[Path]:
     path = folder / "filenames.txt"
     lines = read_bytes(path, MAX_TEXT).decode("utf-8", "replace").splitlines()
     names = [line.strip() for line in lines if line.strip()]
-    bad = next((name for name in names if not _is_name(name)), None)
+    bad = next((name for name in names if not is_file_name(name)), None)
     if not names or bad is not None:
         raise FileError(f"{path}: must list plain file names, a line each, got {excerpt(bad)!r}")
     return [folder / name for name in names]
-
-
-def _is_name(name: str) -> bool:
-    """Return whether this can be the name of a file, without a folder."""
-    return Path(name).name == name and "\0" not in name and len(os.fsencode(name)) <= 255
 
 
 def _lights(

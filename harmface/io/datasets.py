@@ -2,14 +2,14 @@
 
 import json
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from harmface.errors import ArgumentError, FileError
-from harmface.io.files import MAX_TEXT, PARSE_ERRORS, excerpt, read_bytes
+from harmface.io.files import MAX_TEXT, PARSE_ERRORS, excerpt, is_file_name, read_bytes
 from harmface.io.images import read_image
 
 MANIFEST, VERSION = "manifest.json", 1
@@ -108,16 +108,6 @@ def read_dataset(folder: Path | str, *, max_bytes: int = MAX_TEXT) -> Dataset:
             "needed"
         )
     for name in (name for those in names for name in those):
-        if not _is_plain(name):
+        if not is_file_name(name):
             raise FileError(f"{path}: names {excerpt(repr(name))}, which is no plain file name")
     return Dataset(folder, manifest)
-
-
-def _is_plain(name: object) -> bool:
-    """Return whether this is the name of a file in a folder, on any system."""
-    return (
-        isinstance(name, str)
-        and name not in ("", ".", "..")
-        and not set(name) & set("/\\:\0")
-        and PurePosixPath(name).name == name
-    )

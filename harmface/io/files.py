@@ -5,7 +5,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 from harmface.errors import FileError
 
@@ -111,3 +111,19 @@ def excerpt(said: object) -> str:
     line = next((line for line in str(said).splitlines() if line.strip()), "")
     line = line or (type(said).__name__ if isinstance(said, BaseException) else "")
     return line if len(line) <= MAX_ECHO else f"{line[:MAX_ECHO]}..."
+
+
+def is_file_name(name: object) -> bool:
+    """Return whether this can be the name of a file, without a folder, on any system.
+
+    Examples
+    --------
+    >>> is_file_name("001.png"), is_file_name("../001.png"), is_file_name("C:001.png")
+    (True, False, False)
+    """
+    return (
+        isinstance(name, str)
+        and PureWindowsPath(name).name == name not in ("", "..")
+        and "\0" not in name
+        and len(name.encode("utf-8", "surrogatepass")) <= 255
+    )

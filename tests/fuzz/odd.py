@@ -6,7 +6,6 @@ import struct
 import zlib
 
 import numpy as np
-from PIL import Image
 
 from fuzz import containers, seeds
 from fuzz.seeds import Files
@@ -73,15 +72,16 @@ def jpeg() -> list[Files]:
 
 
 def tiff() -> list[Files]:
-    # A directory of two tags after the other, 60,000 times.
-    width = struct.pack("<HHII", 256, 3, 1, 1)
-    pages = b"II*\0" + struct.pack("<I", 8)
-    for number in range(60_000):
-        pages += struct.pack("<H", 1) + width + struct.pack("<I", 8 + 18 * (number + 1))
-    buffer = io.BytesIO()
-    page = Image.fromarray(seeds.GREY)
-    page.save(buffer, "TIFF", save_all=True, append_images=[page] * 500)
-    return [{"i.tif": pages}, {"i.tif": buffer.getvalue()}]
+    # 60,000 pages of one grey pixel, all of them the same byte of the file, by tag and value.
+    tags = {256: 1, 257: 1, 258: 8, 259: 1, 262: 1, 273: 8, 277: 1, 278: 1, 279: 1}
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags.items())
+    first, length = 10, 2 + len(entries) + 4
+    pages = b"".join(
+        struct.pack("<H", len(tags)) + entries + struct.pack("<I", first + number * length)
+        for number in range(1, 60_001)
+    )
+    pages = pages[:-4] + bytes(4)  # none comes after the last
+    return [{"i.tif": b"II*\0" + struct.pack("<I", first) + b"\x80\0" + pages}]
 
 
 def pgm() -> list[Files]:
@@ -153,7 +153,7 @@ def mat() -> list[Files]:
 
 
 def coefficients() -> list[Files]:
-    long = json.dumps({"coefficients": [[0.125] * 5_000_000]}).encode()
+    long = b'{"coefficients": [[' + b"0.125, " * 5_000_000 + b"0.125]]}"
     texts = (b'{"coefficients": [[1' + b"0" * 400 + b"]]}", b"[[1" + b"0" * 400 + b"]]", DEEP, long)
     texts += (b'{"coefficients": [[1' + b"0" * 5000 + b"]]}", b'{"coefficients": "1"}', b"1")
     return [{"c.json": text} for text in texts]
