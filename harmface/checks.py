@@ -3,6 +3,7 @@
 import operator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from harmface.errors import ArgumentError
 
@@ -32,7 +33,26 @@ def positive_integer(name: str, value: int) -> int:
     return integer(name, value, 1)
 
 
-def floating(name: str, array: np.ndarray) -> np.ndarray:
+def array_of(name: str, values: ArrayLike) -> np.ndarray:
+    """Return what numpy makes of an array of another kind, or of a list.
+
+    Raises
+    ------
+    ArgumentError
+        If it is no array, such as a list of lists of unlike length, or has masked values.
+    """
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise ArgumentError(
+            f"{name} must have no masked values, got {np.ma.getmaskarray(values).sum()}; fill "
+            "them, or leave them out"
+        )
+    try:
+        return np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"{name} must be an array of numbers ({str(error)[:200]})") from None
+
+
+def floating(name: str, array: ArrayLike) -> np.ndarray:
     """Return `array` as float32 or float64: those are kept, integers and booleans become float64.
 
     Raises
@@ -40,7 +60,7 @@ def floating(name: str, array: np.ndarray) -> np.ndarray:
     ArgumentError
         If the values are not real numbers.
     """
-    array = np.asarray(array)
+    array = array_of(name, array)
     if array.dtype in (np.float32, np.float64):
         return array
     if array.dtype.kind not in "fiub":
@@ -48,7 +68,7 @@ def floating(name: str, array: np.ndarray) -> np.ndarray:
     return array.astype(np.float32 if array.dtype == np.float16 else np.float64)
 
 
-def finite(name: str, array: np.ndarray) -> np.ndarray:
+def finite(name: str, array: ArrayLike) -> np.ndarray:
     """Return `array` as floating point if it holds neither NaN nor infinity."""
     array = floating(name, array)
     if not np.isfinite(array).all():
@@ -59,7 +79,48 @@ def finite(name: str, array: np.ndarray) -> np.ndarray:
     return array
 
 
-def non_negative(name: str, array: np.ndarray) -> np.ndarray:
+def intensities(name: str, array: ArrayLike) -> np.ndarray:
+    """Return `array` if it is floating point and finite: of a code, only its scale tells the light.
+
+    Raises
+    ------
+    ArgumentError
+        If the values are integers or no numbers, NaN or infinite.
+    """
+    values = array_of(name, array)
+    if values.dtype.kind in "iub":
+        raise ArgumentError(
+            f"{name} must be floating point, got dtype {values.dtype}; divide codes by the "
+            "largest there is, such as 255"
+        )
+    return finite(name, values)
+
+
+def indices(name: str, array: ArrayLike, count: int) -> np.ndarray:
+    """Return `array` if it holds whole numbers from 0 to `count - 1`."""
+    values = array_of(name, array)
+    if values.dtype.kind not in "iu":
+        raise ArgumentError(f"{name} must hold whole numbers, got dtype {values.dtype}")
+    if values.size and not (values.min() >= 0 and values.max() < count):
+        raise ArgumentError(
+            f"{name} must index {count} vertices, got indices from {values.min()} to {values.max()}"
+        )
+    return values
+
+
+def mask(name: str, array: ArrayLike, shape: tuple[int, ...]) -> np.ndarray:
+    """Return `array` if it is true or false for every pixel of a picture."""
+    values = array_of(name, array)
+    if values.dtype != np.bool_:
+        raise ArgumentError(
+            f"{name} must be true or false, got dtype {values.dtype}; compare it, such as image > 0"
+        )
+    if values.shape != shape:
+        raise ArgumentError(f"{name} must have the size {shape}, got {values.shape}")
+    return values
+
+
+def non_negative(name: str, array: ArrayLike) -> np.ndarray:
     """Return `array` as floating point if it is finite and nowhere below zero."""
     array = finite(name, array)
     if array.size and array.min() < 0:
@@ -67,7 +128,7 @@ def non_negative(name: str, array: np.ndarray) -> np.ndarray:
     return array
 
 
-def vectors(name: str, array: np.ndarray) -> np.ndarray:
+def vectors(name: str, array: ArrayLike) -> np.ndarray:
     """Return `array` as floating point if its last axis has three components."""
     array = floating(name, array)
     if array.ndim == 0 or array.shape[-1] != 3:
@@ -75,7 +136,7 @@ def vectors(name: str, array: np.ndarray) -> np.ndarray:
     return array
 
 
-def unit_vectors(name: str, array: np.ndarray) -> np.ndarray:
+def unit_vectors(name: str, array: ArrayLike) -> np.ndarray:
     """Return `array` as floating point if it holds unit vectors, shape (..., 3)."""
     array = vectors(name, array)
     squared = np.einsum("...i,...i->...", array, array)
@@ -94,7 +155,7 @@ def not_unit(name: str, wrong: int, total: int) -> ArgumentError:
     )
 
 
-def orthogonal(name: str, matrix: np.ndarray) -> np.ndarray:
+def orthogonal(name: str, matrix: ArrayLike) -> np.ndarray:
     """Return `matrix` as float64 if it is a 3 x 3 rotation or reflection."""
     matrix = np.asarray(finite(name, matrix), dtype=np.float64)
     if matrix.shape != (3, 3):
@@ -104,7 +165,7 @@ def orthogonal(name: str, matrix: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def rotation(name: str, matrix: np.ndarray) -> np.ndarray:
+def rotation(name: str, matrix: ArrayLike) -> np.ndarray:
     """Return `matrix` as float64 if it is a 3 x 3 rotation."""
     matrix = orthogonal(name, matrix)
     if np.linalg.det(matrix) < 0:

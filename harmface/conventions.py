@@ -126,7 +126,9 @@ def directions_from_angles(
     azimuth
         Angle about +z from +x towards +y in radians; broadcasts with `polar`.
     """
-    polar, azimuth = np.broadcast_arrays(polar, azimuth)
+    polar, azimuth = np.broadcast_arrays(
+        checks.finite("polar", polar), checks.finite("azimuth", azimuth)
+    )
     sine = np.sin(polar)
     return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(polar)], axis=-1)
 
@@ -138,6 +140,7 @@ def angles_from_directions(
 
     The arc tangent of both components keeps full precision near the poles.
     """
+    directions = checks.finite("directions", checks.vectors("directions", directions))
     x, y, z = np.moveaxis(directions, -1, 0)
     return np.asarray(np.arctan2(np.hypot(x, y), z)), np.asarray(np.arctan2(y, x))
 
@@ -157,30 +160,51 @@ def light_direction(azimuth: float, elevation: float) -> Float[np.ndarray, "3"]:
     >>> light_direction(90.0, 0.0).round(12)
     array([1., 0., 0.])
     """
-    a, e = np.radians(azimuth), np.radians(elevation)
+    a = np.radians(checks.finite("azimuth", azimuth))
+    e = np.radians(checks.finite("elevation", elevation))
     return np.array([np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e)])
 
 
 def luminance(rgb: Float[np.ndarray, "*pixels 3"]) -> Float[np.ndarray, "*pixels"]:
-    """Return the luminance of linear RGB values (Rec. 709 primaries)."""
+    """Return the luminance of linear RGB values (Rec. 709 primaries).
+
+    Raises
+    ------
+    ArgumentError
+        If the values are integers, not finite, or not three in the last axis.
+    """
+    rgb = checks.vectors("rgb", checks.intensities("rgb", rgb))
     return np.asarray(rgb @ np.asarray(LUMINANCE, dtype=rgb.dtype))
 
 
 def srgb_to_linear(encoded: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
     """Undo the sRGB transfer curve (IEC 61966-2-1): values in [0, 1] to linear light.
 
+    Raises
+    ------
+    ArgumentError
+        If the values are integers or not finite.
+
     Examples
     --------
     >>> srgb_to_linear(np.array([0.0, 0.5, 1.0])).round(4)
     array([0.   , 0.214, 1.   ])
     """
+    encoded = checks.intensities("encoded", encoded)
     return np.where(
         encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0) + 0.055) / 1.055) ** 2.4
     ).astype(encoded.dtype)
 
 
 def linear_to_srgb(linear: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
-    """Apply the sRGB transfer curve (IEC 61966-2-1), the inverse of `srgb_to_linear`."""
+    """Apply the sRGB transfer curve (IEC 61966-2-1), the inverse of `srgb_to_linear`.
+
+    Raises
+    ------
+    ArgumentError
+        If the values are integers or not finite.
+    """
+    linear = checks.intensities("linear", linear)
     return np.where(
         linear <= 0.0031308,
         linear * 12.92,

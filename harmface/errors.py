@@ -11,3 +11,7 @@ class ArgumentError(HarmfaceError):
 
 class FileError(HarmfaceError):
     """A file cannot be read or written as what it claims to be."""
+
+
+class FileWarning(UserWarning):
+    """A file was read, but there is something to know of what it held."""

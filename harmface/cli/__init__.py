@@ -1,14 +1,19 @@
 """The command line: parse, call, print.
 
-Exit codes: 0 done, 1 a claim or check failed, 2 bad input.
+Exit codes: 0 done, 1 a claim or check failed, 2 bad input, 3 a defect of the package.
 """
 
+import os
 import sys
+import traceback
+from io import TextIOWrapper
+from typing import NoReturn
 
 import typer
 
 from harmface import __version__
 from harmface.cli import basis, envmap, evaluate, pca, recognition, render, reproduce, stereo, synth
+from harmface.cli.common import releasing_outputs
 from harmface.errors import HarmfaceError
 
 app = typer.Typer(
@@ -43,20 +48,60 @@ def root(
     version: bool = typer.Option(
         False, "--version", callback=_version, is_eager=True, help="Print the version and stop."
     ),
+    debug: bool = typer.Option(
+        False, "--debug", help="Show the traceback of an error that is not the input's."
+    ),
 ) -> None:
     """Spherical harmonics of faces and other diffuse objects under any distant light."""
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; exits with 0, 1 (a claim failed) or 2 (bad input)."""
+    """Run the command line; exits with 0, 1 (a claim failed), 2 (bad input) or 3 (a defect)."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    debug = "--debug" in given
+    for stream in (sys.stdout, sys.stderr):
+        # A name need not be text: what cannot be written is spelt out.
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
-        code = app(arguments, standalone_mode=False, prog_name="harmface")
+        with releasing_outputs():
+            # Like any option it may stand behind the command, too.
+            code = app(
+                [word for word in given if word != "--debug"],
+                standalone_mode=False,
+                prog_name="harmface",
+            )
+        sys.stdout.flush()
     except (HarmfaceError, typer.TyperException) as error:
         message = error.format_message() if isinstance(error, typer.TyperException) else str(error)
-        if message:
-            typer.echo("harmface: " + " ".join(message.split()), err=True)
-        sys.exit(2)
+        _stop(2, message)
+    except BrokenPipeError:
+        # Whoever read the output has seen enough; nothing more can be said to them.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except OSError as error:
+        name = "" if error.filename is None else f"{os.fsdecode(error.filename)}: "
+        _stop(2, f"{name}{error.strerror or error}", debug)
+    except MemoryError:
+        _stop(3, "not enough memory; give smaller input", debug)
     except (KeyboardInterrupt, typer.Abort):
-        typer.echo("harmface: stopped", err=True)
-        sys.exit(130)
+        _stop(130, "stopped")
+    except Exception as error:
+        _stop(
+            3,
+            f"a defect of harmface, not of your input: {type(error).__name__}: {str(error)[:200]}; "
+            "the same command with --debug tells where",
+            debug,
+        )
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _stop(code: int, message: str, debug: bool = False) -> NoReturn:
+    """Exit with one line of text, without anything in it that a terminal would obey."""
+    if debug:
+        traceback.print_exc()
+    if message:
+        line = " ".join(message.split())
+        shown = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
+        typer.echo(f"harmface: {shown}", err=True)
+    sys.exit(code)

@@ -7,18 +7,14 @@ import numpy as np
 import typer
 
 from harmface import checks
-from harmface.cli.common import (
-    MeshArgument,
-    SizeOption,
-    SrgbColorsOption,
-    TextureOption,
-    load_mesh,
-    output,
-)
+from harmface.cli.common import SizeOption, claim_outputs, output
+from harmface.cli.mesh_options import MeshArgument, MeshReading
+from harmface.cli.option_groups import with_options
 
 KIND, VERSION = "basis", 1
 
 
+@with_options("mesh_reading", MeshReading)
 def basis(
     mesh: MeshArgument,
     out: Annotated[Path, typer.Option(help="NPZ file: basis (K,H,W), normals, albedo, mask.")],
@@ -27,8 +23,8 @@ def basis(
     figure: Annotated[
         Path | None, typer.Option(help="PNG: green above zero, blue below, a row a degree.")
     ] = None,
-    texture: TextureOption = None,
-    srgb_colors: SrgbColorsOption = False,
+    *,
+    mesh_reading: MeshReading,
 ) -> None:
     """Render the harmonic images albedo A_l Y_lm(n) of a mesh, seen from the front.
 
@@ -40,7 +36,8 @@ def basis(
     from harmface.rendering import harmonic_images
 
     checks.degree("degree", degree)
-    surface = load_mesh(mesh, texture, srgb_colors)
+    claim_outputs(out, figure, inputs=mesh_reading.files(mesh))
+    surface = mesh_reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size), supersampling=2)
     albedo = luminance(view.albedo)
     images = harmonic_images(view.normals, albedo, degree)

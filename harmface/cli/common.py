@@ -1,7 +1,9 @@
 """What several commands share: tables, progress, option types, sets of photographs."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import os
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,23 +13,12 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from harmface import checks
-from harmface.errors import ArgumentError, FileError
-from harmface.geometry import Mesh
+from harmface.errors import ArgumentError, FileError, FileWarning
 
 if TYPE_CHECKING:
     from harmface.io import Photograph
     from harmface.io.galleries import LabelledPhotographs
 
-MeshArgument = Annotated[
-    Path, typer.Argument(metavar="MESH", help="A PLY, OBJ, GLB or STL file, y up, facing +z.")
-]
-TextureOption = Annotated[
-    Path | None, typer.Option(help="Image to use as albedo; the mesh needs UV coordinates.")
-]
-SrgbColorsOption = Annotated[
-    bool,
-    typer.Option("--srgb-colors", help="The mesh's colours are sRGB-encoded: make them linear."),
-]
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
 SrgbOption = Annotated[
     bool, typer.Option("--srgb", help="The photographs are sRGB-encoded: make them linear.")
@@ -35,26 +26,75 @@ SrgbOption = Annotated[
 SkipBadOption = Annotated[
     bool, typer.Option("--skip-bad", help="Go on without files that cannot be used; name them.")
 ]
+SessionsOption = Annotated[
+    bool,
+    typer.Option(
+        "--sessions", help="Folders in a subject's folder are sessions, not subjects themselves."
+    ),
+]
+MaxPixelsOption = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Largest picture read, in pixels; 67 million by default."),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
-output = Console()
-errors = Console(stderr=True)
+# Names are shown as they are: brackets in them are no markup, nor are colons a picture.
+output = Console(markup=False, emoji=False)
+errors = Console(stderr=True, markup=False, emoji=False)
+
+_claimed = ExitStack()
 
 
-def load_mesh(path: Path, texture: Path | None, srgb_colors: bool) -> Mesh:
-    """Read a mesh; trimesh is slow to import and stays away from commands without one."""
-    from harmface.io import read_mesh
+@contextmanager
+def releasing_outputs() -> Iterator[None]:
+    """Let go of all outputs, see `claim_outputs`, in the end."""
+    with _claimed:
+        yield
 
-    return read_mesh(path, texture=texture, srgb=srgb_colors)
+
+def claim_outputs(*outputs: Path | None, inputs: Iterable[Path] = ()) -> None:
+    """Keep other processes from the files a command will write, until it ends.
+
+    Raises
+    ------
+    FileError
+        If one of them is an input, lies in a folder that is read and would be read with it, is
+        another output, a folder, a device or a pipe, or if another process is writing it.
+    """
+    from harmface.io import claim
+    from harmface.io.atomic import check_output
+    from harmface.io.meshes import MESH_SUFFIXES
+    from harmface.io.photo_folders import PHOTOGRAPH_SUFFIXES
+
+    read = [Path(os.path.realpath(path)) for path in inputs]
+    claimed: list[Path] = []
+    for path in outputs:
+        if path is None:
+            continue
+        target = check_output(path)
+        among = target.suffix.lower() in (*MESH_SUFFIXES, *PHOTOGRAPH_SUFFIXES)
+        if target in read or (among and not read_apart(target, read)):
+            raise FileError(f"{path}: is read as well; give another name to write to")
+        if target in claimed:
+            raise FileError(f"{path}: is the name of two outputs; give each its own")
+        claimed.append(target)
+        _claimed.enter_context(claim(path))
+
+
+def read_apart(output: Path, inputs: Iterable[Path]) -> bool:
+    """Return whether an output lies in none of the folders that are read; all as real paths."""
+    return not any(folder in output.parents for folder in inputs)
 
 
 def holds_photographs(sources: list[Path]) -> bool:
     """Return whether sources are one folder, with files in it of which none is a mesh."""
+    from harmface.io.photo_folders import files_below
+
     return (
         len(sources) == 1
         and sources[0].is_dir()
         and not _meshes_in(sources[0])
-        and any(path.is_file() for path in sources[0].rglob("*"))
+        and next(files_below(sources[0]), None) is not None
     )
 
 
@@ -66,7 +106,7 @@ def mesh_files(given: list[Path]) -> dict[str, Path]:
             raise FileError(f"{path}: does not exist; check the name")
         inside = _meshes_in(path) if path.is_dir() else [path]
         if not inside:
-            raise FileError(f"{path}: holds no mesh; give PLY, OBJ, GLB or STL files")
+            raise FileError(f"{path}: holds no mesh; give PLY, OBJ, GLB, glTF or STL files")
         files += inside
     named: dict[str, Path] = {}
     for path in files:
@@ -100,36 +140,54 @@ def rows_of_square(text: str) -> int:
 
 
 def read_subjects(
-    folder: Path, size: tuple[int, int] | None, srgb: bool, skip_bad: bool
+    folder: Path,
+    size: tuple[int, int] | None,
+    srgb: bool,
+    skip_bad: bool,
+    *,
+    sessions: bool = False,
+    max_pixels: int | None = None,
 ) -> tuple[list["Photograph"], np.ndarray, list[FileError]]:
     """Return the photographs of a folder, their pixels, and the errors of those left out."""
     from harmface.io import find_photographs, read_photographs
 
-    found = find_photographs(folder)
-    folders: dict[str, Path] = {}
-    for photograph in found:
-        if folders.setdefault(photograph.subject, photograph.path.parent) != photograph.path.parent:
-            raise FileError(
-                f"{photograph.path.parent}: is the second folder of subject "
-                f"{photograph.subject!r}, after {folders[photograph.subject]}; rename or merge it"
-            )
     skipped: list[FileError] = []
-    with errors.status("reading"):
+    with told(), errors.status("reading"):
         kept, images = read_photographs(
-            found, srgb=srgb, size=size, bad=skipped.append if skip_bad else None
+            find_photographs(folder, sessions=sessions),
+            srgb=srgb,
+            size=size,
+            max_pixels=pixel_limit(max_pixels),
+            bad=skipped.append if skip_bad else None,
         )
     tell_skipped(skipped)
     return kept, images, skipped
 
 
+def pixel_limit(max_pixels: int | None) -> int:
+    """Return what `--max-pixels N` says."""
+    from harmface.io import MAX_PIXELS
+
+    return MAX_PIXELS if max_pixels is None else checks.positive_integer("--max-pixels", max_pixels)
+
+
 def read_enrolled(
-    folder: Path, gallery: str | None, shape: tuple[int, int] | None, srgb: bool, skip_bad: bool
+    folder: Path,
+    gallery: str | None,
+    shape: tuple[int, int] | None,
+    srgb: bool,
+    skip_bad: bool,
+    *,
+    sessions: bool = False,
+    max_pixels: int | None = None,
 ) -> tuple["LabelledPhotographs", dict[str, Any]]:
     """Return the photographs of a folder that are to be enrolled, and how they were read."""
-    from harmface.io import choose_gallery
+    from harmface.io import choose_gallery, read_image
     from harmface.io.galleries import LabelledPhotographs
 
-    kept, images, skipped = read_subjects(folder, shape, srgb, skip_bad)
+    kept, images, skipped = read_subjects(
+        folder, shape, srgb, skip_bad, sessions=sessions, max_pixels=max_pixels
+    )
     chosen = np.ones(len(kept), bool) if gallery is None else choose_gallery(kept, gallery)
     used = [photograph for photograph, wanted in zip(kept, chosen, strict=True) if wanted]
     facts = {
@@ -139,6 +197,10 @@ def read_enrolled(
         "resized": shape is not None,
         "skipped": [str(error) for error in skipped],
     }
+    if shape is not None:
+        with told():
+            first = read_image(kept[0].path, max_pixels=pixel_limit(max_pixels))
+        facts["rows_and_columns"] = list(first.shape[:2])
     return LabelledPhotographs(tuple(each.subject for each in used), images[chosen]), facts
 
 
@@ -152,16 +214,27 @@ def tell_skipped(skipped: list[FileError]) -> None:
 
 
 def read_probes(
-    paths: list[Path], mask: np.ndarray, resize: bool, srgb: bool, skip_bad: bool
+    paths: list[Path],
+    mask: np.ndarray,
+    srgb: bool,
+    skip_bad: bool,
+    *,
+    like: tuple[int, int] | None,
+    max_pixels: int | None = None,
 ) -> tuple[list[Path], np.ndarray, list[FileError]]:
-    """Return the images that can be compared on a mask, and the errors of those left out."""
+    """Return the images that can be compared on a mask, and the errors of those left out.
+
+    `like` says how many rows and columns the photographs of the gallery had before they were
+    resized to the mask's, if they were: images are resized as they were.
+    """
     kept: list[Path] = []
     probes: list[np.ndarray] = []
     skipped: list[FileError] = []
-    with progress("reading") as report:
+    limit = pixel_limit(max_pixels)
+    with told(), progress("reading") as report:
         for number, path in enumerate(paths):
             try:
-                probes.append(_probe(path, mask, resize, srgb))
+                probes.append(_probe(path, mask, like, srgb, limit))
                 kept.append(path)
             except FileError as error:
                 if not skip_bad:
@@ -174,16 +247,17 @@ def read_probes(
     return kept, np.stack(probes), skipped
 
 
-def _probe(path: Path, mask: np.ndarray, resize: bool, srgb: bool) -> np.ndarray:
+def _probe(
+    path: Path, mask: np.ndarray, like: tuple[int, int] | None, srgb: bool, max_pixels: int
+) -> np.ndarray:
     from harmface.conventions import luminance
     from harmface.io import read_image
+    from harmface.io.photo_sets import resized
 
-    image = read_image(path, srgb=srgb)
+    image = read_image(path, srgb=srgb, max_pixels=max_pixels)
     image = luminance(image) if image.ndim == 3 else image
-    if resize and image.shape != mask.shape:
-        import cv2
-
-        image = cv2.resize(image, mask.shape[::-1], interpolation=cv2.INTER_AREA)
+    if like is not None:
+        image = resized(path, image, (mask.shape[0], mask.shape[1]), like)
     if image.shape != mask.shape:
         raise FileError(
             f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, the gallery has "
@@ -203,3 +277,24 @@ def progress(label: str) -> Iterator[Callable[[float], None]]:
     with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as bar:
         task = bar.add_task(label, total=1.0)
         yield lambda done: bar.update(task, completed=done)
+
+
+@contextmanager
+def told() -> Iterator[Callable[[str], None]]:
+    """Print what readers have to say of files as notes on stderr; yields how to add one."""
+
+    def tell(text: str) -> None:
+        errors.print(f"note: {text}", highlight=False, markup=False, soft_wrap=True)
+
+    with warnings.catch_warnings():
+        usual = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+            if issubclass(category, FileWarning):
+                tell(str(message))
+            else:
+                usual(message, category, *rest)
+
+        warnings.simplefilter("always", FileWarning)
+        warnings.showwarning = show  # type: ignore[assignment]
+        yield tell

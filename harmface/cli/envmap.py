@@ -9,14 +9,9 @@ import typer
 from rich.table import Table
 
 from harmface import checks
-from harmface.cli.common import JsonOption, output
-from harmface.cli.light_source import (
-    FrameOption,
-    LayoutOption,
-    MapArgument,
-    load_light,
-    load_map,
-)
+from harmface.cli.common import JsonOption, claim_outputs, output
+from harmface.cli.light_source import MapArgument, MapReading
+from harmface.cli.option_groups import with_options
 from harmface.conventions import degree_order, max_degree_of
 from harmface.errors import ArgumentError
 from harmface.light import EnvironmentMap
@@ -29,12 +24,13 @@ OutMap = Annotated[Path, typer.Option(help="Map to write: .hdr, .pfm or .exr.")]
 
 
 @app.command()
+@with_options("reading", MapReading)
 def project(
     environment: MapArgument,
-    layout: LayoutOption = "latlong",
-    frame: FrameOption = None,
     degree: Annotated[int, typer.Option(help="Highest degree.")] = 2,
     as_json: JsonOption = False,
+    *,
+    reading: MapReading,
 ) -> None:
     """Print the lighting coefficients L_lm of a map (RH01 eq. 10), for each channel.
 
@@ -43,7 +39,7 @@ def project(
     from harmface.light import project as project_map
 
     checks.degree("--degree", degree)
-    coefficients = np.atleast_2d(project_map(load_map(environment, layout, frame), degree))
+    coefficients = np.atleast_2d(project_map(reading.load_map(environment), degree))
     if as_json:
         typer.echo(json.dumps({"coefficients": coefficients.tolist()}, indent=1))
         return
@@ -56,6 +52,7 @@ def project(
 
 
 @app.command()
+@with_options("reading", MapReading)
 def irradiance(
     source: Annotated[
         Path,
@@ -65,8 +62,6 @@ def irradiance(
         ),
     ],
     out: OutMap,
-    layout: LayoutOption = "latlong",
-    frame: FrameOption = None,
     size: Annotated[int, typer.Option(help="Rows of the irradiance map.")] = 128,
     degree: Annotated[int, typer.Option(help="Highest degree, for maps.")] = 2,
     window: Annotated[
@@ -76,6 +71,8 @@ def irradiance(
     compare: Annotated[
         bool, typer.Option("--compare", help="Print the error against brute-force integration.")
     ] = False,
+    *,
+    reading: MapReading,
 ) -> None:
     """Write the irradiance map of any light as a lat-long map (RH01 eq. 7).
 
@@ -87,7 +84,8 @@ def irradiance(
     from harmface.rendering import irradiance_error, irradiance_map
 
     checks.degree("--degree", degree)
-    light = load_light(source, layout, frame)
+    claim_outputs(out, inputs=[source])
+    light = reading.load_light(source)
     if isinstance(light, EnvironmentMap):
         coefficients = project_map(light, degree)
     elif compare:
@@ -117,16 +115,17 @@ def irradiance(
 
 
 @app.command()
+@with_options("reading", MapReading)
 def convert(
     environment: MapArgument,
     out: OutMap,
-    layout: LayoutOption = "latlong",
-    frame: FrameOption = None,
     to: Annotated[str, typer.Option(help="Layout of the result.")] = "latlong",
     size: Annotated[int, typer.Option(help="Rows of the result, or of a cube's face.")] = 256,
     arrangement: Annotated[
         str, typer.Option(help="How a cube's faces are laid out.")
     ] = "vertical-strip",
+    *,
+    reading: MapReading,
 ) -> None:
     """Draw a map anew in another layout, antialiased, in our own frame.
 
@@ -135,19 +134,21 @@ def convert(
     from harmface.io import file_layout, write_environment_map
     from harmface.light import resample
 
-    drawn = resample(load_map(environment, layout, frame), file_layout(to), size)
+    claim_outputs(out, inputs=environment)
+    drawn = resample(reading.load_map(environment), file_layout(to), size)
     write_environment_map(out, drawn.as_image(), arrangement=arrangement)
     output.print(f"{to} map in {out}")
 
 
 @app.command()
+@with_options("reading", MapReading)
 def rotate(
     environment: MapArgument,
     out: OutMap,
-    layout: LayoutOption = "latlong",
-    frame: FrameOption = None,
     azimuth: Annotated[float, typer.Option(help="Degrees about +y, from +z towards +x.")] = 0.0,
     elevation: Annotated[float, typer.Option(help="Then degrees about +x, +z towards +y.")] = 0.0,
+    *,
+    reading: MapReading,
 ) -> None:
     """Turn a map's light, and draw it in the same layout and size, in our own frame.
 
@@ -160,19 +161,21 @@ def rotate(
 
     checks.finite("--azimuth and --elevation", np.array([azimuth, elevation]))
     turn = Rotation.from_euler("yx", [azimuth, -elevation], degrees=True).as_matrix()
-    found = load_map(environment, layout, frame)
+    claim_outputs(out, inputs=environment)
+    found = reading.load_map(environment)
     turned = resample(found.rotated(turn), found.layout, found.height)
     write_environment_map(out, turned.as_image())
     output.print(f"turned map in {out}")
 
 
 @app.command()
+@with_options("reading", MapReading)
 def show(
     environment: MapArgument,
     out: Annotated[Path, typer.Option(help="PNG to write.")],
-    layout: LayoutOption = "latlong",
-    frame: FrameOption = None,
     degree: Annotated[int, typer.Option(help="Highest degree of the reconstruction.")] = 2,
+    *,
+    reading: MapReading,
 ) -> None:
     """Draw a map, tone-mapped, beside what its coefficients keep and the irradiance they give.
 
@@ -182,7 +185,8 @@ def show(
     from harmface.viz import environment_figure, write_figure
 
     checks.degree("--degree", degree)
-    found = load_map(environment, layout, frame)
+    claim_outputs(out, inputs=environment)
+    found = reading.load_map(environment)
     write_figure(out, environment_figure(found, project_map(found, degree)))
     output.print(f"picture in {out}")
 

@@ -3,11 +3,13 @@
 import csv
 import io
 import json
+import os
 import platform
 import time
+from contextlib import ExitStack
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -15,27 +17,32 @@ from rich.table import Table
 
 from harmface.cli.common import (
     JsonOption,
+    MaxPixelsOption,
+    SessionsOption,
     SkipBadOption,
     SrgbOption,
     errors,
     output,
+    read_apart,
     read_subjects,
     rows_and_columns,
 )
-from harmface.errors import ArgumentError
+from harmface.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    from harmface.io.parts import Parts
 
 SEED = 0
 """Of the bootstrap."""
 
+SECONDS = "seconds_per_probe"
 RENDERED = "rendered+"
 """Before a method: it is also given photographs rendered under lights that nobody took."""
 
-RESULTS, TABLE, FIGURE = "results.json", "table.csv", "figure.png"
+RESULTS, TABLE, FIGURE, TIMES = "results.json", "table.csv", "figure.png", "times.json"
+FILES = [RESULTS, TABLE, FIGURE, TIMES]
 PACKAGES = ("harmface", "numpy", "scipy", "scikit-learn", "scikit-image")
-COLUMNS = (
-    *("method", "subset", "errors", "probes", "rate", "rate_low", "rate_high"),
-    "seconds_per_probe",
-)
+COLUMNS = ("method", "subset", "errors", "probes", "rate", "rate_low", "rate_high")
 CURVE = 101
 """Points of the verification curve, at false-accept rates from 1 in 10,000 to all."""
 
@@ -67,51 +74,120 @@ def evaluate(
     out: Annotated[
         Path | None,
         typer.Option(
-            help=f"Folder to make: {RESULTS} (protocol and all numbers), {TABLE}, {FIGURE}."
+            help=f"Folder to make: {RESULTS} (protocol, all numbers), {TABLE}, {FIGURE}, {TIMES}."
         ),
     ] = None,
     srgb: SrgbOption = False,
+    sessions: SessionsOption = False,
+    max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Measure recognisers on photographs: who is named wrongly, by lighting subset.
 
     What is not in the gallery is a probe, the same for all methods. Photographs must be cropped
-    alike. Intervals hold 95 % of 2000 bootstrap samples, in which chance draws the subjects.
+    alike. Intervals hold 95 % of 2000 bootstrap samples, in which chance draws the subjects. With
+    --out, a run that was stopped goes on with the method it was at when the same command is given
+    again.
 
     Example: harmface evaluate CroppedYale --gallery subset1 --methods best,subspace --size 48x42
 
     Example: harmface evaluate CroppedYale --methods best,subspace,lbph --out report
     """
-    from harmface.enrollment import with_nine_points
-    from harmface.io import choose_gallery, prepare_folder
+    from harmface.io import choose_gallery, output_folder, prepare_folder
+    from harmface.io.parts import Parts, digest
     from harmface.recognition.baselines import METHODS, recognizer
-    from harmface.recognition.evaluation import distances_by
 
     shape = rows_and_columns(size)
     settings = {name: METHODS[0] if name == "best" else name for name in methods.split(",")}
     for setting in settings.values():
         # Names the methods there are before anything is read.
         recognizer(setting.removeprefix(RENDERED), (1, 1), 1)
-    if out is not None and out.exists():
-        prepare_folder(out, [RESULTS, TABLE, FIGURE])
-    kept, images, skipped = read_subjects(folder, shape, srgb, skip_bad)
+    if out is not None:
+        if not read_apart(Path(os.path.realpath(out)), [folder.resolve()]):
+            raise FileError(f"{out}: lies in {folder}, which is read; give a folder elsewhere")
+        if out.exists():
+            prepare_folder(out, FILES)
+    kept, images, skipped = read_subjects(
+        folder, shape, srgb, skip_bad, sessions=sessions, max_pixels=max_pixels
+    )
     enrolled = choose_gallery(kept, gallery)
     if enrolled.all():
         raise ArgumentError(f"gallery {gallery} holds every photograph, and leaves no probe")
-    flat = images.reshape(len(images), -1)
     names = np.array([photograph.subject for photograph in kept])
     subsets = np.array([photograph.subset for photograph in kept])[~enrolled]
     lights = [photograph.light for photograph, one in zip(kept, enrolled, strict=True) if one]
     if "best" in settings and None not in lights:
         settings["best"] = RENDERED + METHODS[0]
+    with ExitStack() as held:
+        parts = None
+        if out is not None:
+            held.enter_context(output_folder(out, FILES))
+            request = {"lights": lights, "settings": settings, "seed": SEED}
+            data = {"images": images, "names": names, "subsets": subsets, "enrolled": enrolled}
+            parts = Parts(out, digest(request, data))
+        results = _results(settings, parts, images, names, enrolled, subsets, lights)
+        record = {
+            "gallery": gallery,
+            "images_enrolled": int(enrolled.sum()),
+            "skipped": len(skipped),
+            "methods": {
+                name: {key: value for key, value in found.items() if key != SECONDS}
+                for name, found in results.items()
+            },
+            "protocol": {
+                "folder": str(folder),
+                "subjects": len(np.unique(names)),
+                "rows_and_columns": list(images.shape[1:]),
+                "srgb": srgb,
+                "settings": settings,
+                "enrolled": [
+                    str(photograph.path.relative_to(folder))
+                    for photograph, chosen in zip(kept, enrolled, strict=True)
+                    if chosen
+                ],
+                "skipped": [str(error) for error in skipped],
+                "bootstrap_seed": SEED,
+                "python": platform.python_version(),
+                "versions": {package: version(package) for package in PACKAGES},
+            },
+        }
+        if out is not None and parts is not None:
+            _write(out, record, results)
+            parts.clear()
+    if as_json:
+        typer.echo(json.dumps({**record, "methods": results}, indent=1))
+        return
+    _print(results)
+    if out is not None:
+        output.print(f"{', '.join(FILES)} in {out}")
+
+
+def _results(
+    settings: dict[str, str],
+    parts: "Parts | None",
+    images: np.ndarray,
+    names: np.ndarray,
+    enrolled: np.ndarray,
+    subsets: np.ndarray,
+    lights: list[Any],
+) -> dict[str, dict[str, Any]]:
+    """Return the figures of every method; what a stopped run found is taken from its parts."""
+    from harmface.enrollment import with_nine_points
+    from harmface.recognition.baselines import recognizer
+    from harmface.recognition.evaluation import distances_by
+
     galleries = {"": (images[enrolled], names[enrolled])}
-    if any(setting.startswith(RENDERED) for setting in settings.values()):
-        with errors.status("recovering surfaces"):
-            galleries[RENDERED] = with_nine_points(*galleries[""], lights)
-    probes = flat[~enrolled]
+    probes = images[~enrolled].reshape((~enrolled).sum(), -1)
     results: dict[str, dict[str, Any]] = {}
     for name, setting in settings.items():
+        kept = None if parts is None else parts.load(setting)
+        if kept is not None:
+            results[name] = kept[1]
+            continue
+        if setting.startswith(RENDERED) and RENDERED not in galleries:
+            with errors.status("recovering surfaces"):
+                galleries[RENDERED] = with_nine_points(*galleries[""], lights)
         with errors.status(name):
             given, shown = galleries[RENDERED if setting.startswith(RENDERED) else ""]
             each = int(np.unique(shown, return_counts=True)[1].min())
@@ -121,37 +197,10 @@ def evaluate(
             distances = distances_by(method, probes)
             seconds = (time.perf_counter() - start) / len(probes)
         truth = np.searchsorted(method.classes_, names[~enrolled])
-        results[name] = {**_figures(distances, truth, subsets), "seconds_per_probe": seconds}
-    record = {
-        "gallery": gallery,
-        "images_enrolled": int(enrolled.sum()),
-        "skipped": len(skipped),
-        "methods": results,
-        "protocol": {
-            "folder": str(folder),
-            "subjects": len(np.unique(names)),
-            "rows_and_columns": list(images.shape[1:]),
-            "srgb": srgb,
-            "settings": settings,
-            "enrolled": [
-                str(photograph.path.relative_to(folder))
-                for photograph, chosen in zip(kept, enrolled, strict=True)
-                if chosen
-            ],
-            "skipped": [str(error) for error in skipped],
-            "bootstrap_seed": SEED,
-            "python": platform.python_version(),
-            "versions": {package: version(package) for package in PACKAGES},
-        },
-    }
-    if out is not None:
-        _write(out, record)
-    if as_json:
-        typer.echo(json.dumps(record, indent=1))
-        return
-    _print(results)
-    if out is not None:
-        output.print(f"{RESULTS}, {TABLE} and {FIGURE} in {out}")
+        results[name] = {**_figures(distances, truth, subsets), SECONDS: seconds}
+        if parts is not None:
+            parts.save(setting, {}, results[name])
+    return results
 
 
 def _figures(distances: np.ndarray, truth: np.ndarray, subsets: np.ndarray) -> dict[str, Any]:
@@ -194,7 +243,7 @@ def _rates(results: dict[str, dict[str, Any]]) -> list[list[Any]]:
     return [
         [
             *(name, subset, rate["errors"], rate["probes"], rate["errors"] / rate["probes"]),
-            *(*rate["interval"], found["seconds_per_probe"]),
+            *rate["interval"],
         ]
         for name, found in results.items()
         for subset, rate in _by_subset(found).items()
@@ -218,7 +267,7 @@ def _print(results: dict[str, dict[str, Any]]) -> None:
             f"{'-'.join(_percent(end) for end in rate['interval'])}"
             for rate in _by_subset(found).values()
         ]
-        table.add_row(name, *cells, f"{1000 * found['seconds_per_probe']:.2f}")
+        table.add_row(name, *cells, f"{1000 * found[SECONDS]:.2f}")
     output.print(table)
 
 
@@ -226,15 +275,19 @@ def _percent(rate: float) -> str:
     return f"{100 * rate:.1f}" if rate < 0.1 else f"{100 * rate:.0f}"
 
 
-def _write(folder: Path, record: dict[str, Any]) -> None:
-    from harmface.io import atomic_write, prepare_folder
+def _write(folder: Path, record: dict[str, Any], results: dict[str, dict[str, Any]]) -> None:
+    """Write the files; only the times differ when all is done again."""
+    from harmface.io import atomic_write
     from harmface.viz import evaluation_figure, write_figure
 
-    prepare_folder(folder, [RESULTS, TABLE, FIGURE])
-    results = record["methods"]
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([COLUMNS, *_rates(results)])
-    for name, content in ((TABLE, text.getvalue()), (RESULTS, json.dumps(record, indent=1) + "\n")):
+    times = {SECONDS: {name: found[SECONDS] for name, found in results.items()}}
+    for name, content in (
+        (TABLE, text.getvalue()),
+        (TIMES, json.dumps(times, indent=1) + "\n"),
+        (RESULTS, json.dumps(record, indent=1) + "\n"),
+    ):
         with atomic_write(folder / name) as file:
             file.write(content.encode())
     write_figure(folder / FIGURE, evaluation_figure(results))

@@ -10,20 +10,16 @@ from rich.table import Table
 
 from harmface import checks
 from harmface.cli import basis
-from harmface.cli.common import (
-    JsonOption,
-    SizeOption,
-    SrgbColorsOption,
-    TextureOption,
-    load_mesh,
-    output,
-)
+from harmface.cli.common import JsonOption, SizeOption, claim_outputs, output
+from harmface.cli.mesh_options import MeshReading
+from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError, FileError
 
 SHOWN = 9
 MODES = 5
 
 
+@with_options("mesh_reading", MeshReading)
 def pca(
     source: Annotated[
         Path,
@@ -53,9 +49,9 @@ def pca(
     figure: Annotated[
         Path | None, typer.Option(help="PNG of the first five modes; zero is mid grey.")
     ] = None,
-    texture: TextureOption = None,
-    srgb_colors: SrgbColorsOption = False,
     as_json: JsonOption = False,
+    *,
+    mesh_reading: MeshReading,
 ) -> None:
     """Write down the principal components of a mesh's images under varying light.
 
@@ -74,8 +70,9 @@ def pca(
             f"--empirical must be at least {SHOWN} images, one a component, got {empirical}"
         )
     half_angle = _half_angle(light)
+    claim_outputs(figure, inputs=mesh_reading.files(source))
     distribution = theory.cone_lights(degree, half_angle)
-    normals, luminance_albedo = _seen(source, size, texture, srgb_colors)
+    normals, luminance_albedo = _seen(source, size, mesh_reading)
     mask = np.asarray(normals.any(axis=-1))
     reflectance = luminance_albedo if albedo == "mesh" else mask.astype(normals.dtype)
     found = theory.analytic_pca(
@@ -147,20 +144,22 @@ def _random_cone(count: int, half_angle: float) -> np.ndarray:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=-1)
 
 
-def _seen(
-    source: Path, size: int, texture: Path | None, srgb_colors: bool
-) -> tuple[np.ndarray, np.ndarray]:
+def _seen(source: Path, size: int, mesh_reading: MeshReading) -> tuple[np.ndarray, np.ndarray]:
     """Return the normals and the luminance of the albedo of what is seen."""
     from harmface.conventions import luminance
     from harmface.geometry import frame_orthographic, gbuffer
     from harmface.io import read_npz
 
     if source.suffix.lower() == ".npz":
+        if mesh_reading != MeshReading():
+            raise ArgumentError(
+                f"{source}: is no mesh, so that options on how to read a mesh do not apply"
+            )
         arrays, _ = read_npz(source, basis.KIND, basis.VERSION)
         try:
             return arrays["normals"], arrays["albedo"]
         except KeyError as error:
             raise FileError(f"{source}: holds no {error}; make it again") from None
-    mesh = load_mesh(source, texture, srgb_colors)
+    mesh = mesh_reading.load(source)
     view = gbuffer(mesh, frame_orthographic(mesh, size))
     return view.normals, luminance(view.albedo)

@@ -11,12 +11,13 @@ from rich.table import Table
 from harmface import checks
 from harmface.cli.common import (
     JsonOption,
+    MaxPixelsOption,
+    SessionsOption,
     SkipBadOption,
-    SrgbColorsOption,
     SrgbOption,
+    claim_outputs,
     errors,
     holds_photographs,
-    load_mesh,
     mesh_files,
     output,
     progress,
@@ -27,6 +28,8 @@ from harmface.cli.common import (
     tell_skipped,
 )
 from harmface.cli.matchers import DEGREES, Matcher, matcher_of
+from harmface.cli.mesh_options import MeshReading
+from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -36,6 +39,7 @@ MOST_PICTURED = 40
 """Most probes in one figure."""
 
 
+@with_options("mesh_reading", MeshReading)
 def enroll(
     sources: Annotated[
         list[Path],
@@ -77,9 +81,12 @@ def enroll(
             "enroll what they look like under the nine points of light besides.",
         ),
     ] = False,
-    srgb_colors: SrgbColorsOption = False,
     srgb: SrgbOption = False,
+    sessions: SessionsOption = False,
+    max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
+    *,
+    mesh_reading: MeshReading,
 ) -> None:
     """Enroll subjects from meshes, as harmonic images, or from photographs.
 
@@ -97,16 +104,22 @@ def enroll(
     """
     from harmface.io import write_gallery
 
+    claim_outputs(out, inputs=[*sources, *filter(None, [mesh_reading.texture])])
     if holds_photographs(sources):
-        if cast_shadows or srgb_colors:
-            raise ArgumentError("--cast-shadows and --srgb-colors are for meshes, not photographs")
-        enrolled = _from_photographs(sources[0], method, gallery, size, srgb, skip_bad, from_stereo)
-    else:
-        if gallery is not None or srgb or from_stereo:
+        if cast_shadows or mesh_reading != MeshReading():
             raise ArgumentError(
-                "--gallery, --from-stereo and --srgb are for photographs, not meshes"
+                "--cast-shadows and options on how to read a mesh are for meshes, not photographs"
             )
-        enrolled = _from_meshes(sources, method, size, cast_shadows, srgb_colors, skip_bad)
+        how = {"sessions": sessions, "max_pixels": max_pixels}
+        enrolled = _from_photographs(
+            *(sources[0], method, gallery, size, srgb, skip_bad, from_stereo), how
+        )
+    else:
+        if gallery is not None or srgb or from_stereo or sessions:
+            raise ArgumentError(
+                "--gallery, --from-stereo, --sessions and --srgb are for photographs, not meshes"
+            )
+        enrolled = _from_meshes(sources, method, size, cast_shadows, mesh_reading, skip_bad)
     write_gallery(out, enrolled)
     output.print(f"{enrolled.summary} in {out}, for {enrolled.method}", soft_wrap=True)
 
@@ -135,6 +148,7 @@ def recognize(
         typer.Option(help="PNG: each image, how the two nearest subjects explain it, the light."),
     ] = None,
     srgb: SrgbOption = False,
+    max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -156,12 +170,14 @@ def recognize(
     from harmface.recognition.evaluation import independence
 
     checks.positive_integer("--top", top)
+    claim_outputs(figure, inputs=[gallery, *images])
     enrolled = read_gallery(gallery)
     matcher = matcher_of(enrolled, method or enrolled.method, gallery)
     facts = enrolled.facts
     paths, probes, skipped = read_probes(
-        *(images, enrolled.mask, facts.get("resized") is True),
-        *(srgb or facts.get("srgb") is True, skip_bad),
+        *(images, enrolled.mask, srgb or facts.get("srgb") is True, skip_bad),
+        like=_stored_size(enrolled),
+        max_pixels=max_pixels,
     )
     if figure is not None and len(paths) > MOST_PICTURED:
         raise ArgumentError(
@@ -208,6 +224,20 @@ def recognize(
         _print_answer(result, rejection)
 
 
+def _stored_size(enrolled: "Enrolled") -> tuple[int, int] | None:
+    """Return the rows and columns of a gallery's photographs before they were resized, if so."""
+    if enrolled.facts.get("resized") is not True:
+        return None
+    found = enrolled.facts.get("rows_and_columns", enrolled.mask.shape)
+    if not (
+        isinstance(found, list | tuple)
+        and len(found) == 2
+        and all(isinstance(side, int) and side > 0 for side in found)
+    ):
+        raise FileError("the gallery's rows_and_columns are not two numbers; enroll again")
+    return found[0], found[1]
+
+
 def _from_photographs(
     folder: Path,
     method: str | None,
@@ -216,6 +246,7 @@ def _from_photographs(
     srgb: bool,
     skip_bad: bool,
     from_stereo: bool,
+    how: dict[str, Any],
 ) -> "Enrolled":
     from harmface.enrollment import with_nine_points
     from harmface.io.galleries import LabelledPhotographs, enrolled_photographs
@@ -230,7 +261,7 @@ def _from_photographs(
             f"{', '.join(METHODS)}"
         )
     recognizer(method, (1, 1), 1)  # names the methods there are before anything is read
-    photographs, facts = read_enrolled(folder, gallery, shape, srgb, skip_bad)
+    photographs, facts = read_enrolled(folder, gallery, shape, srgb, skip_bad, **how)
     if from_stereo:
         lights = [yale_light(Path(name).name) for name in facts["files"]]
         taken = np.array(photographs.subjects)
@@ -245,7 +276,7 @@ def _from_meshes(
     method: str | None,
     size: str | None,
     cast_shadows: bool,
-    srgb_colors: bool,
+    mesh_reading: MeshReading,
     skip_bad: bool,
 ) -> "Enrolled":
     """Enroll harmonic images, or what photographs under the nine points of light would show."""
@@ -267,7 +298,7 @@ def _from_meshes(
     with progress("enrolling") as report:
         for number, (name, path) in enumerate(files.items()):
             try:
-                mesh = load_mesh(path, None, srgb_colors)
+                mesh = mesh_reading.load(path)
                 degree = max(2, DEGREES[method]) if method in DEGREES else 0
                 harmonic = subject_images(mesh, side, degree, cast_shadows and degree > 0)
                 nine = subject_photographs(mesh, light, side)

@@ -7,16 +7,10 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from harmface.cli.common import (
-    MeshArgument,
-    SizeOption,
-    SrgbColorsOption,
-    TextureOption,
-    load_mesh,
-    output,
-    progress,
-)
-from harmface.cli.light_source import FrameOption, LayoutOption, load_light
+from harmface.cli.common import SizeOption, claim_outputs, output, progress
+from harmface.cli.light_source import EnvironmentReading
+from harmface.cli.mesh_options import MeshArgument, MeshReading
+from harmface.cli.option_groups import with_options
 from harmface.conventions import light_direction
 from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, frame_orthographic, gbuffer
@@ -31,6 +25,8 @@ BRIGHTEST = 0.95
 """Where automatic exposure puts the 99.5th percentile of the surface, as a share of white."""
 
 
+@with_options("mesh_reading", MeshReading)
+@with_options("reading", EnvironmentReading)
 def render(
     mesh: MeshArgument,
     out: Annotated[Path, typer.Option(help="PNG file to write.")],
@@ -49,8 +45,6 @@ def render(
             "eucalyptus, st-peters, which render through harmonics, without cast shadows.",
         ),
     ] = None,
-    layout: LayoutOption = "latlong",
-    frame: FrameOption = None,
     cast_shadows: Annotated[bool, typer.Option(help="Whether the mesh shadows itself.")] = True,
     size: SizeOption = 256,
     exposure: Annotated[
@@ -61,8 +55,9 @@ def render(
     srgb: Annotated[
         bool, typer.Option("--srgb/--linear", help="Encode for the screen, or keep linear.")
     ] = False,
-    texture: TextureOption = None,
-    srgb_colors: SrgbColorsOption = False,
+    *,
+    reading: EnvironmentReading,
+    mesh_reading: MeshReading,
 ) -> None:
     """Render a mesh from the front by brute force: no harmonics, shadows by ray casting.
 
@@ -75,7 +70,8 @@ def render(
 
     if (light is None) == (environment is None):
         raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
-    surface = load_mesh(mesh, texture, srgb_colors)
+    claim_outputs(out, inputs=[*mesh_reading.files(mesh), *filter(None, [environment])])
+    surface = mesh_reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)
     if light is not None:
@@ -85,7 +81,7 @@ def render(
         )
     else:
         assert environment is not None
-        source = load_light(environment, layout, frame)
+        source = reading.load_light(environment)
     if isinstance(source, np.ndarray):
         image = np.zeros(albedo.shape)
         received = harmonic_irradiance(source, view.normals[view.mask])

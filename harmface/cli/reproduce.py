@@ -5,15 +5,16 @@ from typing import Annotated
 
 import typer
 from rich.table import Column, Table
+from rich.text import Text
 
 from harmface.cli.common import JsonOption, errors, output
 
 
 def reproduce(
     more: Annotated[list[str] | None, typer.Argument(metavar="[ID]...", hidden=True)] = None,
-    out: Annotated[Path, typer.Option(help="Folder of report.html and results.json.")] = Path(
-        "report"
-    ),
+    out: Annotated[
+        Path, typer.Option(help="Folder to write report.html to, with results.json.")
+    ] = Path("report"),
     only: Annotated[
         list[str] | None, typer.Option(metavar="ID...", help="Measure only these claims.")
     ] = None,
@@ -26,6 +27,8 @@ def reproduce(
     as_json: JsonOption = False,
 ) -> None:
     """Measure the published figures and write a report; exits with 1 if a claim fails.
+
+    A run that was stopped goes on where it was when the same command is given again.
 
     Example: harmface reproduce --only lambert-decay worst-pixel-error --out report
     """
@@ -49,8 +52,8 @@ def reproduce(
             table.add_row(
                 result.claim.id,
                 published(result.claim),
-                numbers(result.measurement.values),
-                f"[{color}]{result.verdict}[/]",
+                numbers(result.values),
+                Text(result.verdict, color),
                 f"{result.seconds:.1f}",
             )
         output.print(table)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from harmface.cli.common import output, progress
+from harmface.cli.common import MaxPixelsOption, output, pixel_limit, progress, told
 from harmface.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -45,9 +45,9 @@ def stereo(
     lights: Annotated[
         Path | None,
         typer.Option(
-            help="Text file, a line an image: x y z to the light (x right, y up, z towards the "
-            "camera) and, if known, its intensity, which is estimated otherwise; else lights.txt "
-            "in the folder."
+            help="Text or .npy file, a line an image: x y z to the light (x right, y up, z towards "
+            "the camera) and, if known, its intensity, which is estimated otherwise; or an .lp "
+            "file; else lights.txt in the folder or beside it."
         ),
     ] = None,
     gamma: Annotated[
@@ -75,11 +75,13 @@ def stereo(
         str,
         typer.Option(help="ply or glb (albedo as vertex colours), or obj (albedo as texture)."),
     ] = "ply",
+    max_pixels: MaxPixelsOption = None,
 ) -> None:
     """Recover normals, albedo and depth from photographs under unknown or known light.
 
-    Photographs are PNG, TIFF, PGM, TGA, JPEG or BMP of 8 or 16 bits, in the order of the numbers
-    in their names; colour is turned to luminance. Of the light's directions only known-lights
+    Photographs are PNG, TIFF, PGM, TGA, JPEG, BMP or WebP, in the order of the numbers in their
+    names; colour is turned to luminance. What is clipped, at the largest code or at a common one
+    below it, counts as not seen. Of the light's directions only known-lights
     makes use; where intensities are known the photographs are divided by them.
 
     Example: harmface stereo photos/*.png --mask mask.png --method refined --out surface
@@ -88,6 +90,7 @@ def stereo(
     from harmface.io import (
         MESH_FILES,
         atomic_write,
+        output_folder,
         prepare_folder,
         read_capture,
         surface_files,
@@ -104,9 +107,14 @@ def stereo(
     names = [*surface_files(mesh_format), "figure.png", "summary.json"]
     if out.exists():
         prepare_folder(out, names)
-    with progress("reading") as report:
+    with told(), progress("reading") as report:
         capture = read_capture(
-            images, srgb=gamma == "srgb", mask=mask, lights=lights, report=report
+            images,
+            srgb=gamma == "srgb",
+            mask=mask,
+            lights=lights,
+            max_pixels=pixel_limit(max_pixels),
+            report=report,
         )
     known = method == "known-lights"
     if known and capture.lights is None:
@@ -152,11 +160,11 @@ def stereo(
         "notes": notes,
     }
     figure = stereo_figure(capture.images, found.normals, found.albedo, depth, found.mask, mesh)
-    prepare_folder(out, names)
-    write_surface(out, found, depth, mesh, facing, mesh_format)
-    write_figure(out / "figure.png", figure)
-    with atomic_write(out / "summary.json") as file:
-        file.write(json.dumps(summary, indent=1).encode() + b"\n")
+    with output_folder(out, names):
+        write_surface(out, found, depth, mesh, facing, mesh_format)
+        write_figure(out / "figure.png", figure)
+        with atomic_write(out / "summary.json") as file:
+            file.write(json.dumps(summary, indent=1).encode() + b"\n")
     for note in notes:
         output.print(f"note: {note}", soft_wrap=True)
     for name, value in summary.items():

@@ -1,11 +1,13 @@
 """`harmface synth`: procedural faces, shapes, environments, and data sets made of them."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from harmface.cli.common import output, progress
+from harmface.cli.common import claim_outputs, output, progress, read_apart
+from harmface.errors import FileError
 
 app = typer.Typer(
     help="Make procedural faces, shapes, environments and data sets.", no_args_is_help=True
@@ -29,6 +31,9 @@ def faces(
     from harmface.reproduce.contact_sheet import contact_sheet
     from harmface.reproduce.synthetic import synthesize_faces
 
+    if sheet is not None and not read_apart(Path(os.path.realpath(sheet)), [out.resolve()]):
+        raise FileError(f"{sheet}: lies in {out}, which holds heads only; give another folder")
+    claim_outputs(sheet)
     with progress("heads") as report:
         synthesize_faces(out, count, seed, report)
     if sheet is not None:

@@ -11,8 +11,16 @@ from harmface.geometry.depth_frankot_chellappa import depth_frankot_chellappa
 from harmface.geometry.depth_least_squares import depth_least_squares
 from harmface.geometry.gbuffer import GBuffer, gbuffer
 from harmface.geometry.mesh import Mesh, vertex_normals
+from harmface.geometry.orientation import (
+    axis_rotations,
+    face_rotation,
+    outward_share,
+    paints_a_face,
+)
 from harmface.geometry.slopes import facing_camera
 from harmface.geometry.surface_mesh import depth_to_mesh, pixel_coordinates
+from harmface.geometry.texture import Texture, TextureImage
+from harmface.geometry.two_sided import one_side
 from harmface.geometry.visibility import visible
 
 __all__ = [
@@ -21,13 +29,20 @@ __all__ = [
     "Mesh",
     "OrthographicCamera",
     "PerspectiveCamera",
+    "Texture",
+    "TextureImage",
+    "axis_rotations",
     "depth_frankot_chellappa",
     "depth_least_squares",
     "depth_to_mesh",
+    "face_rotation",
     "facing_camera",
     "frame_orthographic",
     "frame_perspective",
     "gbuffer",
+    "one_side",
+    "outward_share",
+    "paints_a_face",
     "pixel_coordinates",
     "vertex_normals",
     "visible",

@@ -57,6 +57,10 @@ class OrthographicCamera:
         """Return the unit directions from points to the camera."""
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), points.shape)
 
+    def pixel_sizes(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+        """Return the side of a pixel at points, in the mesh's unit of length."""
+        return np.full(len(points), self.height / self.shape[0])
+
 
 @dataclass(frozen=True)
 class PerspectiveCamera:
@@ -104,6 +108,11 @@ class PerspectiveCamera:
         offset = np.asarray(self.position) - points
         return offset / np.linalg.norm(offset, axis=-1, keepdims=True)
 
+    def pixel_sizes(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
+        """Return the side of a pixel at points, in the mesh's unit of length."""
+        scale = 2 * np.tan(np.radians(self.vertical_field_of_view) / 2) / self.shape[0]
+        return scale * (self.position[2] - points[:, 2])
+
 
 Camera = OrthographicCamera | PerspectiveCamera
 
@@ -138,8 +147,14 @@ def frame_orthographic(mesh: Mesh, shape: int | tuple[int, int]) -> Orthographic
         Rows and columns of the picture, or one number for a square.
     """
     rows, columns = shape if isinstance(shape, tuple) else (shape, shape)
-    _check_shape((rows, columns))
-    low, high = mesh.bounds
+    return frame_box(mesh.bounds, (rows, columns))
+
+
+def frame_box(bounds: Float[np.ndarray, "2 3"], shape: tuple[int, int]) -> OrthographicCamera:
+    """Return the camera of `frame_orthographic` for least and greatest coordinates."""
+    rows, columns = shape
+    _check_shape(shape)
+    low, high = bounds
     middle = (low + high) / 2
     width, height, thickness = high - low
     span = FRAME_MARGIN * max(height, width * rows / columns)

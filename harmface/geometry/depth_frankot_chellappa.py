@@ -9,6 +9,7 @@ References
 import numpy as np
 from jaxtyping import Bool, Float
 
+from harmface import checks
 from harmface.geometry.slopes import checked_normals, slopes_along_rays
 
 
@@ -42,6 +43,7 @@ def depth_frankot_chellappa(
     >>> bool(depth[0, 7] > depth[0, 0])
     True
     """
+    normals = checks.vectors("normals", normals)
     n, mask = checked_normals(normals, mask)
     slopes = np.zeros((2, *mask.shape))
     slopes[:, mask] = -slopes_along_rays(n, n[:, 2])

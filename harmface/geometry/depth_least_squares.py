@@ -74,6 +74,7 @@ def depth_least_squares(
     ArgumentError
         If sizes differ, a weight is negative, or a normal looks away from the camera.
     """
+    normals = checks.vectors("normals", normals)
     n, mask = checked_normals(normals, mask)
     if camera is not None and camera.shape != mask.shape:
         raise ArgumentError(f"camera must have the normals' size {mask.shape}, got {camera.shape}")

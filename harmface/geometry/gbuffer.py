@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Integer
 from scipy.sparse import csr_array
 
 from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.geometry.camera import Camera
 from harmface.geometry.mesh import Mesh
+from harmface.geometry.texture import Texture
 
 MAX_SAMPLES = 2**27
 """Most rays of one G-buffer: about 20 GB of intermediate arrays."""
@@ -46,7 +47,9 @@ class GBuffer:
 def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
     """Cast rays through every pixel and return what they meet first.
 
-    Normals and albedo are interpolated linearly between the vertices. With `supersampling = n`
+    Normals and albedo are interpolated linearly between the vertices; where the mesh has a
+    texture, albedo is looked up in it at each sample, averaged over what the sample stands for.
+    With `supersampling = n`
     each pixel averages the samples that hit the mesh among n x n; the mean normal is made unit
     again.
 
@@ -77,16 +80,13 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
     if not hit.any():
         raise ArgumentError("camera must see the mesh, but no ray meets it; use a framing helper")
     u, v = hits.u[hit].astype(np.float64), hits.v[hit].astype(np.float64)
+    weights = np.stack([1 - u - v, u, v], axis=1)
     # The samples of a pixel follow one another, so a sparse matrix with a row a pixel both
     # interpolates between the vertices and sums over the samples, in one pass.
     samples = hit.reshape(rows * columns, n * n).sum(axis=1)
-    starts = np.concatenate([[0], np.cumsum(3 * samples)])
+    starts = np.concatenate([[0], np.cumsum(samples)])
     interpolate = csr_array(
-        (
-            np.stack([1 - u - v, u, v], axis=1).reshape(-1),
-            mesh.faces[hits.face[hit]].reshape(-1),
-            starts,
-        ),
+        (weights.reshape(-1), mesh.faces[hits.face[hit]].reshape(-1), 3 * starts),
         shape=(rows * columns, len(mesh.vertices)),
     )
     normals = interpolate @ mesh.normals.astype(np.float64, copy=False)
@@ -97,8 +97,14 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
     normals *= np.divide(1, length, out=np.zeros_like(length), where=mask)[:, None]
     share = np.divide(1, samples, out=np.zeros_like(length), where=mask)[:, None]
     position = interpolate @ mesh.vertices.astype(np.float64, copy=False) * share
+    if mesh.texture is None:
+        albedo = interpolate @ mesh.albedo.astype(np.float64, copy=False)
+    else:
+        each = _looked_up(mesh, mesh.texture, hits.face[hit], weights, camera, n)
+        ones = np.ones(len(each))
+        albedo = csr_array((ones, np.arange(len(each)), starts)) @ each
     # Rounding of the weights can carry a mean past the ends of the range.
-    albedo = np.clip(interpolate @ mesh.albedo.astype(np.float64, copy=False) * share, 0, 1)
+    albedo = np.clip(albedo * share, 0, 1)
     depth = np.where(mask, camera.center[2] - position[:, 2], np.inf)
     image = (rows, columns)
     return GBuffer(
@@ -109,3 +115,27 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
         mask.reshape(image),
         camera,
     )
+
+
+def _looked_up(
+    mesh: Mesh,
+    texture: Texture,
+    face: Integer[np.ndarray, "N"],
+    weights: Float[np.ndarray, "N 3"],
+    camera: Camera,
+    supersampling: int,
+) -> Float[np.ndarray, "N 3"]:
+    """Return the albedo of samples: the texture's, or the vertices' where a face has none."""
+    corners = mesh.faces[face]
+    image = texture.image[face]
+    points = np.einsum("nc,nci->ni", weights, mesh.vertices[corners])
+    side = camera.pixel_sizes(points) / supersampling
+    edges = mesh.vertices[mesh.faces[:, 1:]] - mesh.vertices[mesh.faces[:, :1]]
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    edges = texture.uv[mesh.faces[:, 1:]] - texture.uv[mesh.faces[:, :1]]
+    pictured = np.abs(np.linalg.det(edges))
+    stretch = np.sqrt(np.divide(pictured, area, out=np.zeros_like(area), where=area > 0))
+    found = texture.sample(corners, image, weights, side * stretch[face])
+    plain = image < 0
+    found[plain] = np.einsum("nc,nci->ni", weights[plain], mesh.albedo[corners[plain]])
+    return found

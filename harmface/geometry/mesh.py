@@ -1,6 +1,6 @@
-"""A triangle mesh with unit vertex normals and a linear RGB albedo per vertex."""
+"""A triangle mesh with unit vertex normals and linear RGB albedo, per vertex or from pictures."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,6 +9,8 @@ from jaxtyping import Float, Integer
 from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.geometry.rays import RayCaster, used_vertices
+from harmface.geometry.texture import Texture
+from harmface.geometry.two_sided import one_side
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +26,10 @@ class Mesh:
     normals
         Outward unit normals of the vertices; `vertex_normals` computes them.
     albedo
-        Linear RGB in [0, 1] of each vertex.
+        Linear RGB in [0, 1] of each vertex, textures included.
+    texture
+        Albedo between the vertices, if pictures tell more than `albedo`; `gbuffer` looks it up
+        at every pixel.
 
     Raises
     ------
@@ -37,17 +42,30 @@ class Mesh:
     faces: Integer[np.ndarray, "F 3"]
     normals: Float[np.ndarray, "V 3"]
     albedo: Float[np.ndarray, "V 3"]
+    texture: Texture | None = None
 
     def __post_init__(self) -> None:
-        checks.finite("vertices", self.vertices)
-        checked_faces(self.faces, len(self.vertices))
-        checks.unit_vectors("normals", self.normals)
-        checks.non_negative("albedo", self.albedo)
+        checked = {
+            "vertices": checks.finite("vertices", self.vertices),
+            "normals": checks.unit_vectors("normals", self.normals),
+            "albedo": checks.non_negative("albedo", self.albedo),
+        }
+        checked["faces"] = checked_faces(self.faces, len(checked["vertices"]))
+        for name, array in checked.items():
+            object.__setattr__(self, name, array)
         if self.albedo.max() > 1:
             raise ArgumentError(
                 f"albedo must lie in [0, 1], got {self.albedo.max():.4g}; "
                 "divide 8-bit colours by 255"
             )
+        if self.texture is not None:
+            given = (len(self.texture.uv), len(self.texture.tint), len(self.texture.image))
+            needed = (len(self.vertices), len(self.vertices), len(self.faces))
+            if given != needed:
+                raise ArgumentError(
+                    f"texture must have uv, tint and image for {needed} vertices, vertices and "
+                    f"faces, got {given}"
+                )
 
     @cached_property
     def rays(self) -> RayCaster:
@@ -63,21 +81,21 @@ class Mesh:
     def rotated(self, rotation: Float[np.ndarray, "3 3"]) -> "Mesh":
         """Return the mesh turned about the origin: `R v` for every vertex and normal."""
         rotation = checks.rotation("rotation", rotation)
-        return Mesh(self.vertices @ rotation.T, self.faces, self.normals @ rotation.T, self.albedo)
+        return replace(self, vertices=self.vertices @ rotation.T, normals=self.normals @ rotation.T)
+
+    def flipped(self) -> "Mesh":
+        """Return the mesh turned inside out: normals point the other way, faces run round it."""
+        return replace(self, faces=self.faces[:, ::-1], normals=-self.normals)
 
 
 def checked_faces(
     faces: Integer[np.ndarray, "F 3"], vertex_count: int
 ) -> Integer[np.ndarray, "F 3"]:
     """Return `faces` if there is at least one and each index names a vertex."""
+    faces = checks.array_of("faces", faces)
     if len(faces) == 0:
         raise ArgumentError("faces must hold at least one triangle, got none")
-    if faces.min() < 0 or faces.max() >= vertex_count:
-        raise ArgumentError(
-            f"faces must index {vertex_count} vertices, got indices from {faces.min()} "
-            f"to {faces.max()}"
-        )
-    return faces
+    return checks.indices("faces", faces, vertex_count)
 
 
 def vertex_normals(
@@ -88,8 +106,9 @@ def vertex_normals(
     Vertices at the same position share their normal, so that neither a texture seam nor a
     format without shared vertices (STL) breaks a smooth surface into facets. Corner angles
     make the result independent of how a surface is cut into triangles (Thurmer and Wuthrich,
-    Computing Vertex Normals from Polygonal Facets, 1998). A vertex without a face that has an
-    area gets (0, 0, 1).
+    Computing Vertex Normals from Polygonal Facets, 1998). Of a face that comes twice, once each
+    way round, one counts (`one_side`). A vertex without a face that has an area, or whose faces
+    cancel each other to rounding, gets (0, 0, 1).
 
     Parameters
     ----------
@@ -99,8 +118,10 @@ def vertex_normals(
         Counter-clockwise triangles.
     """
     vertices = checks.finite("vertices", vertices)
-    checked_faces(faces, len(vertices))
+    faces = checked_faces(faces, len(vertices))
     _, position = np.unique(vertices, axis=0, return_inverse=True)
+    position = position.reshape(-1)
+    faces, _ = one_side(vertices, faces, position)
     corners = vertices[faces]
     edges = np.roll(corners, -1, axis=1) - corners
     normal = np.cross(edges[:, 0], edges[:, 1])
@@ -112,12 +133,14 @@ def vertex_normals(
         np.linalg.norm(np.cross(edges, back), axis=-1), np.einsum("fci,fci->fc", edges, back)
     )
     weighted = (angle[..., None] * normal[:, None]).reshape(-1, 3)
-    place = position.reshape(-1)[faces].reshape(-1)
+    place = position[faces].reshape(-1)
     sums = np.stack(
         [np.bincount(place, weighted[:, i], minlength=position.max() + 1) for i in range(3)],
         axis=-1,
     )
     lengths = np.linalg.norm(sums, axis=-1, keepdims=True)
-    lost = lengths[:, 0] == 0
+    total = np.bincount(place, angle.reshape(-1), minlength=len(sums))
+    # Each term is off by some units in its last place, so a sum of that size says nothing.
+    lost = lengths[:, 0] <= 8 * np.finfo(vertices.dtype).eps * total
     sums[lost], lengths[lost] = (0.0, 0.0, 1.0), 1.0
-    return (sums / lengths)[position.reshape(-1)].astype(vertices.dtype)
+    return (sums / lengths)[position].astype(vertices.dtype)

@@ -31,8 +31,7 @@ def checked_normals(
     normals = checks.vectors("normals", normals)
     if mask is None:
         mask = np.ones(normals.shape[:2], dtype=bool)
-    if mask.shape != normals.shape[:2]:
-        raise ArgumentError(f"mask must have the size {normals.shape[:2]}, got {mask.shape}")
+    mask = checks.mask("mask", mask, normals.shape[:2])
     if not mask.any():
         raise ArgumentError("mask must cover at least one pixel, got an empty one")
     return checks.unit_vectors("normals", normals[mask]).astype(np.float64), mask
@@ -73,7 +72,14 @@ def facing_camera(
         The surface.
     camera
         The view; orthographic if not given.
+
+    Raises
+    ------
+    ArgumentError
+        If the sizes differ, or a normal is not finite.
     """
+    normals = checks.finite("normals", checks.vectors("normals", normals))
+    mask = checks.mask("mask", mask, normals.shape[:-1])
     return mask & (towards_camera(normals, view_slopes(mask.shape, camera)) > 0)
 
 

@@ -37,8 +37,7 @@ def depth_to_mesh(
         If the sizes differ, no 2 x 2 block lies in the mask, or a distance is not positive.
     """
     depth = checks.finite("depth", depth).astype(np.float64)
-    if mask.shape != depth.shape:
-        raise ArgumentError(f"mask must have the size {depth.shape}, got {mask.shape}")
+    mask = checks.mask("mask", mask, depth.shape)
     if albedo is None:
         albedo = np.ones(mask.shape)
     albedo = checks.non_negative("albedo", albedo).astype(np.float64)

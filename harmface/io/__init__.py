@@ -1,6 +1,6 @@
 """Files: every byte from outside is checked here, every file written is whole or not there."""
 
-from harmface.io.atomic import atomic_write
+from harmface.io.atomic import atomic_write, claim
 from harmface.io.captures import Capture, read_capture, read_mask
 from harmface.io.coefficients import read_coefficients, write_coefficients
 from harmface.io.datasets import Dataset, read_dataset
@@ -9,22 +9,20 @@ from harmface.io.environment_maps import (
     read_environment_map,
     write_environment_map,
 )
-from harmface.io.folders import prepare_folder
+from harmface.io.folders import output_folder, prepare_folder
 from harmface.io.galleries import read_gallery, write_gallery
+from harmface.io.gallery_choice import choose_gallery
 from harmface.io.images import read_image, write_image
 from harmface.io.light_files import Lights, read_lights
 from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.npz import read_npz, write_npz
-from harmface.io.photo_sets import (
-    Photograph,
-    choose_gallery,
-    find_photographs,
-    read_photographs,
-)
+from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
+from harmface.io.pictures import MAX_PIXELS
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
 
 __all__ = [
+    "MAX_PIXELS",
     "MESH_FILES",
     "Capture",
     "Dataset",
@@ -32,8 +30,10 @@ __all__ = [
     "Photograph",
     "atomic_write",
     "choose_gallery",
+    "claim",
     "file_layout",
     "find_photographs",
+    "output_folder",
     "prepare_folder",
     "read_capture",
     "read_coefficients",

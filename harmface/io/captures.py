@@ -1,9 +1,8 @@
 """Photographs of one still object under changing light, with what is known of them."""
 
-import zlib
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +10,15 @@ from jaxtyping import Bool, Float
 
 from harmface.conventions import luminance
 from harmface.errors import FileError
-from harmface.io.files import read_bytes
+from harmface.io.clipping import Clipping
+from harmface.io.files import MAX_TEXT, excerpt, is_file_name, read_bytes
 from harmface.io.images import read_image
-from harmface.io.light_files import Lights, read_lights, read_table
-from harmface.io.photo_folders import LIGHT_FILES, Sorted, photographs_in, sort_photographs
+from harmface.io.light_files import Lights, read_lights
+from harmface.io.matlab import read_matlab
+from harmface.io.photo_folders import Sorted, light_file_of, photographs_in, sort_photographs
 from harmface.io.photo_sets import yale_light
-
-SATURATED = 1 - 2**-17
-"""Values from which a photograph is saturated: the largest code only, at 16 bits too."""
+from harmface.io.pictures import MAX_PIXELS, check_total, read_picture
+from harmface.io.tables import read_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,8 @@ class Capture:
     images
         Linear luminance, float32; divided by the lights' intensities where these are known.
     saturated
-        Which observations are, in any channel, the largest value that the file could hold.
+        Which observations are clipped in any channel: at the largest value that the file could
+        hold, or at a common one below it, see `clipping.Clipping`.
     mask
         The object, if a mask came with it.
     lights
@@ -58,15 +59,16 @@ def read_capture(
     srgb: bool = False,
     mask: Path | None = None,
     lights: Path | None = None,
+    max_pixels: int = MAX_PIXELS,
     report: Callable[[float], None] = lambda done: None,
 ) -> Capture:
     """Read photographs given as files, or as one folder.
 
     A folder with `filenames.txt` is in the DiLiGenT layout: `light_directions.txt`,
     `light_intensities.txt` (a number or one for each channel), `mask.png` and `Normal_gt.mat` are
-    read where they are. Of any other folder all photographs are read, `lights.txt` or
-    `light_directions.txt`, and the mask, see `sort_photographs`. Names of the Extended Yale B
-    database tell their lights.
+    read where they are. Of any other folder all photographs are read, the lights, see
+    `light_file_of`, and the mask, see `sort_photographs`. Names of the Extended Yale B database
+    tell their lights.
 
     Parameters
     ----------
@@ -77,7 +79,10 @@ def read_capture(
     mask
         The mask's file; found among the photographs if not given.
     lights
-        The lights' file, see `read_lights`; found in the folder if not given.
+        The lights' file, see `read_lights`; found in the folder, or the one that it lies in, if
+        not given.
+    max_pixels
+        Largest photograph read; all together may have 16 times as many pixels.
     report
         Told the fraction of the photographs that have been read.
 
@@ -92,10 +97,9 @@ def read_capture(
     else:
         found = sort_photographs(paths if folder is None else photographs_in(folder), mask)
     files = found.photographs
-    light_file = lights or (None if folder is None else _existing(folder, *LIGHT_FILES))
-    known = _named_lights(files) if light_file is None else read_lights(light_file, len(files))
+    known, light_notes = _lights(files, folder, lights)
     intensities = _intensities(folder, known, len(files))
-    images, saturated = _stack(files, intensities, srgb, report)
+    images, saturated, notes = _stack(files, intensities, srgb, max_pixels, report)
     mask_image = None
     if found.mask is not None:
         mask_image = read_mask(found.mask)
@@ -108,8 +112,8 @@ def read_capture(
         saturated,
         mask_image,
         None if known is None else known.directions,
-        None if truth is None else _matlab_normals(truth),
-        (*found.notes, *(() if known is None else known.notes), *_encoding_notes(files, srgb)),
+        None if truth is None else _matlab_normals(truth, images.shape[1:]),
+        (*found.notes, *light_notes, *notes, *_encoding_notes(files, srgb)),
     )
 
 
@@ -134,10 +138,33 @@ def _existing(folder: Path, *names: str) -> Path | None:
 
 
 def _listed(folder: Path) -> list[Path]:
-    names = read_bytes(folder / "filenames.txt").decode("utf-8", "replace").split()
-    if not names or any(Path(name).name != name for name in names):
-        raise FileError(f"{folder / 'filenames.txt'}: must list plain file names")
+    path = folder / "filenames.txt"
+    lines = read_bytes(path, MAX_TEXT).decode("utf-8", "replace").splitlines()
+    names = [line.strip() for line in lines if line.strip()]
+    bad = next((name for name in names if not is_file_name(name)), None)
+    if not names or bad is not None:
+        raise FileError(f"{path}: must list plain file names, a line each, got {excerpt(bad)!r}")
     return [folder / name for name in names]
+
+
+def _lights(
+    files: list[Path], folder: Path | None, given: Path | None
+) -> tuple[Lights | None, tuple[str, ...]]:
+    """Return the lights of photographs, and what to know of how they were found."""
+    names = [path.name for path in files]
+    path = given or (None if folder is None else light_file_of(folder))
+    if path is None:
+        known = _named_lights(files)
+        return known, () if known is None else known.notes
+    if given is not None or path.parent == folder:
+        known = read_lights(path, len(files), names)
+        return known, known.notes
+    # What lies one folder up may belong to other photographs.
+    try:
+        known = read_lights(path, len(files), names)
+    except FileError as error:
+        return _named_lights(files), (f"lights beside the folder are not used: {error}",)
+    return known, (f"the lights are those of {path}", *known.notes)
 
 
 def _named_lights(files: list[Path]) -> Lights | None:
@@ -155,7 +182,7 @@ def _intensities(
     path = None if folder is None else _existing(folder, "light_intensities.txt")
     if path is None:
         return None
-    table = read_table(path)
+    table = read_table(path).numbers
     if len(table) != count or table.shape[1] not in (1, 3) or not (table > 0).all():
         raise FileError(
             f"{path}: must hold one positive number, or three, for each of the {count} images"
@@ -167,23 +194,43 @@ def _stack(
     files: list[Path],
     intensities: Float[np.ndarray, "F channels"] | None,
     srgb: bool,
+    max_pixels: int,
     report: Callable[[float], None],
-) -> tuple[Float[np.ndarray, "F H W"], Bool[np.ndarray, "F H W"]]:
-    """Return the photographs in one channel, and which observations are saturated."""
-    first = read_image(files[0])
+) -> tuple[Float[np.ndarray, "F H W"], Bool[np.ndarray, "F H W"], list[str]]:
+    """Return the photographs in one channel, which observations are saturated, and notes."""
+    first = read_picture(files[0], max_pixels).codes
+    check_total(files[0], len(files), first.shape, max_pixels)
     stack = np.empty((len(files), *first.shape[:2]), np.float32)
     saturated = np.empty(stack.shape, bool)
+    marks = np.empty(stack.shape, np.uint8)
+    clipping = Clipping()
+    notes: list[str] = []
+    full: float | None = None
     for number, path in enumerate(files):
-        image = read_image(path, srgb=srgb)
+        picture = read_picture(path, max_pixels)
+        image, codes = picture.values(srgb), picture.codes
         if image.shape[:2] != stack.shape[1:]:
             raise _other_size(path, image, files[0], stack[0])
-        full = image >= SATURATED
-        if 0 < full.mean() < 1 and (full | (image == 0)).all():
+        full = None if codes.dtype.kind == "f" else float(np.iinfo(codes.dtype).max)
+        at_full = codes == full
+        if 0 < at_full.mean() < 1 and (at_full | (codes == 0)).all():
             raise FileError(f"{path}: is black and white only; if it is a mask, give it as --mask")
-        saturated[number] = full if image.ndim == 2 else full.any(axis=-1)
+        saturated[number] = at_full if image.ndim == 2 else at_full.any(axis=-1)
+        marks[number] = clipping.add(codes)
         stack[number] = _one_channel(image, None if intensities is None else intensities[number])
+        notes += picture.notes
         report((number + 1) / len(files))
-    return stack, saturated
+    levels = clipping.levels(full)
+    found = [f"{level:g}" for level in levels if level is not None]
+    if found:
+        for number in range(len(files)):
+            saturated[number] |= clipping.clipped(number, marks[number], levels)
+        notes.append(
+            f"the photographs are clipped at {' and '.join(dict.fromkeys(found))}"
+            + ("" if full is None else f", below the largest code of their files, {full:g}")
+            + f": {saturated.mean():.1%} of the observations are taken as saturated"
+        )
+    return stack, saturated, notes
 
 
 def _one_channel(
@@ -209,23 +256,11 @@ def _encoding_notes(files: list[Path], srgb: bool) -> tuple[str, ...]:
     return ("JPEG files are hardly ever linear; if these come from a camera, say --gamma srgb",)
 
 
-def _matlab_normals(path: Path) -> Float[np.ndarray, "H W 3"]:
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
-
-    data = read_bytes(path)
-    try:
-        normals = np.asarray(loadmat(BytesIO(data))["Normal_gt"], dtype=np.float64)
-    except (
-        KeyError,
-        MatReadError,
-        NotImplementedError,
-        OSError,
-        TypeError,
-        ValueError,
-        zlib.error,
-    ) as error:
-        raise FileError(f"{path}: holds no MATLAB array Normal_gt ({error})") from None
-    if normals.ndim != 3 or normals.shape[2] != 3:
-        raise FileError(f"{path}: Normal_gt must be H x W x 3, got {normals.shape}")
+def _matlab_normals(path: Path, shape: tuple[int, ...]) -> Float[np.ndarray, "H W 3"]:
+    normals = read_matlab(path, "Normal_gt", 3 * math.prod(shape))
+    if normals.shape != (*shape, 3) or not np.isfinite(normals).all():
+        raise FileError(
+            f"{path}: Normal_gt must hold finite numbers, {shape[0]} x {shape[1]} x 3 as the "
+            f"photographs are, got {normals.shape}"
+        )
     return normals

@@ -10,7 +10,7 @@ from harmface import checks
 from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError, FileError
 from harmface.io.atomic import atomic_write
-from harmface.io.files import read_bytes
+from harmface.io.files import MAX_TEXT, PARSE_ERRORS, excerpt, read_bytes
 
 
 def read_coefficients(path: Path | str) -> Float[np.ndarray, "channels K"]:
@@ -19,18 +19,18 @@ def read_coefficients(path: Path | str) -> Float[np.ndarray, "channels K"]:
     Raises
     ------
     FileError
-        If the file is missing, no such JSON, or K is not a square.
+        If the file is missing, no such JSON, longer than 16 MiB, or K is not a square.
     """
     try:
-        found = json.loads(read_bytes(path))
+        found = json.loads(read_bytes(path, MAX_TEXT))
         coefficients = checks.finite("coefficients", np.array(found["coefficients"], float))
         if coefficients.ndim != 2:
             raise ArgumentError(f"coefficients must be channels x K, got {coefficients.shape}")
         max_degree_of(coefficients.shape[1])
     except FileError:
         raise
-    except (KeyError, RecursionError, TypeError, ValueError) as error:
-        reason = "it has no coefficients" if isinstance(error, KeyError) else str(error)
+    except PARSE_ERRORS as error:
+        reason = "it has no coefficients" if isinstance(error, KeyError) else excerpt(error)
         raise FileError(
             f"{path}: holds no lighting coefficients ({reason}); "
             "make it with `harmface envmap project --json`"

@@ -2,14 +2,14 @@
 
 import json
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from harmface.errors import ArgumentError, FileError
-from harmface.io.files import read_bytes
+from harmface.io.files import MAX_TEXT, PARSE_ERRORS, excerpt, is_file_name, read_bytes
 from harmface.io.images import read_image
 
 MANIFEST, VERSION = "manifest.json", 1
@@ -38,9 +38,11 @@ class Dataset:
     def images(self, subject: str) -> Float[np.ndarray, "F H W"]:
         """Return a subject's images, linear, in [0, 1]."""
         record = self._record(subject)
-        return np.stack(
-            [read_image(self.folder / subject / image["file"]) for image in record["images"]]
-        )
+        found = [read_image(self.folder / subject / image["file"]) for image in record["images"]]
+        shapes = {image.shape for image in found}
+        if len(shapes) != 1:
+            raise FileError(f"{self.folder / subject}: needs images of one size, got {shapes}")
+        return np.stack(found)
 
     def mask(self, subject: str) -> Bool[np.ndarray, "H W"]:
         """Return where the subject covers a pixel."""
@@ -50,10 +52,19 @@ class Dataset:
     def lights(self, subject: str) -> tuple[Float[np.ndarray, "J 3"], Float[np.ndarray, "F J"]]:
         """Return the directions of the lights, and the irradiance of each in each image."""
         record = self._record(subject)
-        directions = np.array(record["directions"], dtype=np.float64)
-        irradiances = np.zeros((len(record["images"]), len(directions)))
-        for row, image in zip(irradiances, record["images"], strict=True):
-            row[image["irradiances"]["direction"]] = image["irradiances"]["value"]
+        try:
+            directions = np.array(record["directions"], dtype=np.float64).reshape(-1, 3)
+            irradiances = np.zeros((len(record["images"]), len(directions)))
+            for row, image in zip(irradiances, record["images"], strict=True):
+                lit = np.array(image["irradiances"]["direction"], dtype=np.int64)
+                if lit.size and not 0 <= lit.min() <= lit.max() < len(directions):
+                    raise ValueError("an image is lit from a direction that is not listed")
+                row[lit] = image["irradiances"]["value"]
+        except PARSE_ERRORS as error:
+            raise FileError(
+                f"{self.folder / MANIFEST}: has no lights of use for {excerpt(subject)!r} "
+                f"({excerpt(error)})"
+            ) from None
         return directions, irradiances
 
     def _record(self, subject: str) -> dict[str, Any]:
@@ -63,32 +74,40 @@ class Dataset:
         raise ArgumentError(f"no subject is called {subject!r}; see `subjects`")
 
 
-def read_dataset(folder: Path | str) -> Dataset:
+def read_dataset(folder: Path | str, *, max_bytes: int = MAX_TEXT) -> Dataset:
     """Open a data set that `harmface synth dataset` made.
+
+    Parameters
+    ----------
+    folder
+        Where it is.
+    max_bytes
+        Largest manifest read; in memory it takes some thirty times as much.
 
     Raises
     ------
     FileError
-        If the folder holds no manifest, or one that is broken, of another version, or that names
-        files outside the folder.
+        If the folder holds no manifest, or one that is broken, larger than `max_bytes`, of
+        another version, or that names files outside the folder.
     """
     folder = Path(folder)
     path = folder / MANIFEST
+    data = read_bytes(path, max_bytes)
     try:
-        manifest = json.loads(read_bytes(path))
+        manifest = json.loads(data)
         found = manifest["format"], manifest["version"]
         names = [
-            (record["name"], image["file"])
+            (record["name"], *(image["file"] for image in record["images"]))
             for record in manifest["subjects"]
-            for image in record["images"]
         ]
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
-        if isinstance(error, FileError):
-            raise
-        raise FileError(f"{path}: is no manifest of a data set ({error})") from None
+    except PARSE_ERRORS as error:
+        raise FileError(f"{path}: is no manifest of a data set ({excerpt(error)})") from None
     if found != ("harmface-dataset", VERSION):
-        raise FileError(f"{path}: is {found[0]} version {found[1]}, version {VERSION} is needed")
-    for name in {part for pair in names for part in pair}:
-        if not isinstance(name, str) or PurePosixPath(name).name != name or name in ("", ".."):
-            raise FileError(f"{path}: names {name!r}, which is no plain file name")
+        raise FileError(
+            f"{path}: is {excerpt(found[0])} version {excerpt(found[1])}, version {VERSION} is "
+            "needed"
+        )
+    for name in (name for those in names for name in those):
+        if not is_file_name(name):
+            raise FileError(f"{path}: names {excerpt(repr(name))}, which is no plain file name")
     return Dataset(folder, manifest)

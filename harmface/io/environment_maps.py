@@ -1,16 +1,18 @@
 """Environment maps from files and to files."""
 
+import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
 from harmface.conventions import map_frame
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io.exr import read_exr, write_exr
-from harmface.io.images import read_image
 from harmface.io.pfm import read_pfm, write_pfm
+from harmface.io.pictures import MAX_PIXELS, read_picture
 from harmface.io.radiance_hdr import read_radiance_hdr, write_radiance_hdr
 from harmface.light import EnvironmentMap
 from harmface.light.cube_arrangements import (
@@ -22,13 +24,17 @@ from harmface.light.cube_arrangements import (
 )
 from harmface.light.layouts import Layout, RH01Probe, layout_named
 
-_READERS = {
-    ".hdr": read_radiance_hdr,
-    ".pic": read_radiance_hdr,
-    ".pfm": read_pfm,
-    ".exr": read_exr,
-}
+_READERS = {".hdr": read_radiance_hdr, ".pic": read_radiance_hdr, ".pfm": read_pfm}
 _WRITERS = {".hdr": write_radiance_hdr, ".pfm": write_pfm, ".exr": write_exr}
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """How the pixels of a map's file are read, see `read_environment_map`."""
+
+    srgb: bool | None
+    part: str | None
+    max_pixels: int
 
 
 def read_environment_map(
@@ -36,14 +42,16 @@ def read_environment_map(
     layout: str = "latlong",
     *,
     frame: str | None = None,
-    srgb: bool = False,
+    srgb: bool | None = None,
+    part: str | None = None,
+    max_pixels: int = MAX_PIXELS,
 ) -> EnvironmentMap:
     """Read an environment map.
 
     Parameters
     ----------
     path
-        A `.hdr`, `.pfm` or `.exr` file, or a PNG, TIFF or JPEG of 8 or 16 bits. For a cube one
+        A `.hdr`, `.pfm` or `.exr` file, or a picture that `read_image` reads. For a cube one
         image in a cross or strip, told by its ratio of sides, or six files in the order
         +x -x +y -y +z -z.
     layout
@@ -53,8 +61,13 @@ def read_environment_map(
         our layouts. Angular maps are read as by the program behind the published tables, see
         `file_layout`, unless their frame is "figure-3" or "debevec".
     srgb
-        Whether the values are encoded in sRGB, to be made linear; only for images of 8 or 16
-        bits, whose values are taken as linear otherwise.
+        Whether the values are encoded in sRGB, to be made linear; only for pictures that
+        `read_image` reads. They are taken as linear otherwise, with a warning at 8 bits unless
+        this is False.
+    part
+        Which part, layer or view of an OpenEXR file to read, see `read_exr`.
+    max_pixels
+        Largest picture read.
 
     Raises
     ------
@@ -63,15 +76,21 @@ def read_environment_map(
         look like a map of this layout; the message says why.
     ArgumentError
         If there is no such layout or frame.
+
+    Warns
+    -----
+    FileWarning
+        If a picture of 8 bits is taken as linear, or the file holds several parts.
     """
+    how = _Reading(srgb, part, max_pixels)
     form = file_layout(layout, frame)
     matrix = map_frame(layout, frame)
     name = str(path if isinstance(path, Path | str) else path[0])
     try:
         if layout == "cube":
-            image = _read_cube(path, srgb, frame)
+            image = _read_cube(path, how, frame)
         elif isinstance(path, Path | str):
-            image = _read_pixels(path, srgb)
+            image = _read_pixels(path, how)
         else:
             raise ArgumentError(f"a {layout} map is one file, got {len(path)}")
         environment = EnvironmentMap.from_image(image, form, matrix)
@@ -128,34 +147,47 @@ def write_environment_map(
     write(path, image_from_faces(image, arrangement) if is_cube else image)
 
 
-def _read_pixels(path: Path | str, srgb: bool) -> Float[np.ndarray, "H W *channels"]:
-    read = _READERS.get(Path(path).suffix.lower())
-    if read is None:
-        return read_image(path, srgb=srgb)
-    if srgb:
+def _read_pixels(path: Path | str, how: _Reading) -> Float[np.ndarray, "H W *channels"]:
+    suffix = Path(path).suffix.lower()
+    if how.part is not None and suffix != ".exr":
+        raise ArgumentError(f"part was asked for, but {path} has none; only .exr files do")
+    if how.srgb and suffix in (*_READERS, ".exr"):
         raise ArgumentError(f"srgb was asked for, but {path} holds linear values")
-    return read(path)
+    if suffix == ".exr":
+        return read_exr(path, part=how.part, max_pixels=how.max_pixels)
+    if suffix in _READERS:
+        return _READERS[suffix](path, max_pixels=how.max_pixels)
+    picture = read_picture(path, how.max_pixels)
+    notes = picture.notes
+    if how.srgb is None and picture.bits == 8:
+        notes += (
+            f"{path}: holds 8 bits, which are taken as linear; if it looks right on a screen they "
+            "are sRGB: say srgb=True (--srgb, or --srgb-environment)",
+        )
+    for note in notes:
+        warnings.warn(note, FileWarning, stacklevel=2)
+    return picture.values(bool(how.srgb))
 
 
 def _read_cube(
-    path: Path | str | Sequence[Path | str], srgb: bool, frame: str | None
+    path: Path | str | Sequence[Path | str], how: _Reading, frame: str | None
 ) -> Float[np.ndarray, "6 N N *channels"]:
     """Read six faces from six files, or from a cross or strip, and turn them our way."""
     opengl = frame in ("opengl", "three.js")
     if isinstance(path, Path | str):
-        image = _read_pixels(path, srgb)
+        image = _read_pixels(path, how)
         faces = faces_from_image(image)
         if opengl and arrangement_of(image.shape).endswith("cross"):
             faces = opengl_order_of_cross(faces)
     else:
-        faces = _read_faces(path, srgb)
+        faces = _read_faces(path, how)
     return faces_from_opengl(faces) if opengl else faces
 
 
-def _read_faces(paths: Sequence[Path | str], srgb: bool) -> Float[np.ndarray, "6 N N *channels"]:
+def _read_faces(paths: Sequence[Path | str], how: _Reading) -> Float[np.ndarray, "6 N N *channels"]:
     if len(paths) != 6:
         raise ArgumentError(f"a cube is one cross or strip or six faces, got {len(paths)} files")
-    faces = [_read_pixels(path, srgb) for path in paths]
+    faces = [_read_pixels(path, how) for path in paths]
     for path, face in zip(paths, faces, strict=True):
         if face.shape != faces[0].shape:
             raise FileError(

@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float, Integer
 
 from harmface import checks
 from harmface.errors import ArgumentError, FileError
+from harmface.io.files import PARSE_ERRORS, excerpt
 from harmface.io.npz import read_npz, write_npz
 from harmface.recognition.evaluation import spread
 from harmface.recognition.gallery import Gallery
@@ -173,8 +174,8 @@ def read_gallery(path: Path | str) -> Enrolled:
         return _enrolled(arrays, attributes)
     except KeyError as error:
         raise FileError(f"{path}: is a gallery without {error}; enroll again") from None
-    except (TypeError, ValueError) as error:
-        raise FileError(f"{path}: is no gallery of use ({error}); enroll again") from None
+    except PARSE_ERRORS as error:
+        raise FileError(f"{path}: is no gallery of use ({excerpt(error)}); enroll again") from None
 
 
 def _enrolled(arrays: dict[str, np.ndarray], attributes: dict[str, Any]) -> Enrolled:

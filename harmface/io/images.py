@@ -1,37 +1,33 @@
-"""Photographs and rendered images: PNG, PGM, PPM, TIFF, TGA and JPEG, 8 or 16 bits."""
+"""Photographs and rendered images, as values in [0, 1]."""
 
 import warnings
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
-from PIL import Image, UnidentifiedImageError
 
 from harmface import checks
-from harmface.conventions import linear_to_srgb, srgb_to_linear
-from harmface.errors import ArgumentError, FileError
+from harmface.conventions import linear_to_srgb
+from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io.atomic import atomic_write
-from harmface.io.files import read_bytes
-from harmface.io.opencv import quiet_opencv
-
-FORMATS = ("PNG", "PPM", "TIFF", "JPEG", "BMP")
-"""Formats that their first bytes tell, as Pillow names them; PPM includes PGM."""
-
-MAX_PIXELS = 2**27
-"""Largest image decoded: 134 megapixels."""
+from harmface.io.pictures import MAX_PIXELS, read_picture
 
 
-def read_image(path: Path | str, *, srgb: bool = False) -> Float[np.ndarray, "H W *channels"]:
-    """Read an image as values in [0, 1], float64.
+def read_image(
+    path: Path | str, *, srgb: bool = False, max_pixels: int = MAX_PIXELS
+) -> Float[np.ndarray, "H W *channels"]:
+    """Read an image as values in [0, 1], float64, turned as the file says (EXIF orientation).
 
     Parameters
     ----------
     path
-        A PNG, PGM, PPM, TIFF, TGA, JPEG or BMP file of 8 or 16 bits, grey or RGB.
+        A PNG, PGM, PPM, TIFF, JPEG, BMP, WebP or TGA file, grey or RGB, of 8, 16 or 32 bits; or a
+        TIFF file of real numbers, which may lie outside [0, 1] and are returned as they are.
     srgb
         Whether values are encoded in sRGB and should be made linear; they are taken as linear
         otherwise.
+    max_pixels
+        Largest picture decoded.
 
     Returns
     -------
@@ -43,20 +39,16 @@ def read_image(path: Path | str, *, srgb: bool = False) -> Float[np.ndarray, "H 
     FileError
         If the file is missing, no such image, broken, too large, partly transparent or of
         several pages.
+
+    Warns
+    -----
+    FileWarning
+        If a JPEG file holds CMYK, or is damaged but could be decoded.
     """
-    path = Path(path)
-    data = read_bytes(path)
-    picture = _validated(path, data)
-    pixels = _targa(picture, data) if picture.format == "TGA" else _by_opencv(data)
-    if pixels is None or pixels.dtype not in (np.uint8, np.uint16):
-        raise FileError(f"{path}: is not an image of 8 or 16 bits a channel; convert it to PNG")
-    limit = np.iinfo(pixels.dtype).max
-    if pixels.ndim == 3:
-        if pixels.shape[-1] == 4 and (pixels[..., 3] != limit).any():
-            raise FileError(f"{path}: is partly transparent; flatten it onto a background")
-        pixels = pixels[..., 2::-1]
-    values = pixels / limit
-    return srgb_to_linear(values) if srgb else values
+    picture = read_picture(path, max_pixels)
+    for note in picture.notes:
+        warnings.warn(note, FileWarning, stacklevel=2)
+    return picture.values(srgb)
 
 
 def write_image(
@@ -104,64 +96,3 @@ def write_image(
         raise FileError(f"{path}: could not be encoded as PNG")
     with atomic_write(path) as file:
         file.write(encoded.tobytes())
-
-
-def _by_opencv(data: bytes) -> np.ndarray | None:
-    """Return codes as OpenCV has them: blue, green, red; None if it cannot decode them."""
-    # OpenCV is slow to import and only wanted here: Pillow cannot decode RGB of 16 bits.
-    import cv2
-
-    with quiet_opencv():
-        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-
-
-def _targa(picture: Image.Image, data: bytes) -> np.ndarray:
-    """Return the codes of a TGA file as OpenCV would, which cannot read it."""
-    alpha_bits = data[17] & 15
-    if picture.mode in ("1", "L", "LA") and not (picture.mode == "LA" and alpha_bits):
-        return np.asarray(picture.convert("L"))
-    # Files of 32 bits a pixel often leave the fourth byte empty, and say that it is no alpha.
-    codes = np.asarray(picture.convert("RGBA" if alpha_bits else "RGB"))
-    return codes[..., [2, 1, 0, 3][: codes.shape[-1]]]
-
-
-def _validated(path: Path, data: bytes) -> Image.Image:
-    """Decode with Pillow, which raises on any damage where OpenCV would guess on."""
-    too_large = FileError(
-        f"{path}: has more pixels than the limit of {MAX_PIXELS}; make the image smaller"
-    )
-    try:
-        with warnings.catch_warnings():
-            # Pillow only warns of tags that lie, and of sizes that are below its own cap.
-            warnings.simplefilter("error", UserWarning)
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            # A TGA file has no signature, so only its name tells.
-            formats = ("TGA",) if path.suffix.lower() == ".tga" else FORMATS
-            picture = Image.open(BytesIO(data), formats=formats)
-            if picture.width * picture.height > MAX_PIXELS:
-                raise too_large
-            if picture.format == "TIFF" and getattr(picture, "n_frames", 1) > 1:
-                raise FileError(f"{path}: holds several pages; save each as a file of its own")
-            picture.load()
-            return picture
-    except Image.DecompressionBombError:
-        raise too_large from None
-    except FileError:
-        raise
-    except (
-        EOFError,
-        LookupError,
-        OSError,
-        OverflowError,
-        SyntaxError,
-        TypeError,
-        UserWarning,
-        ValueError,
-    ) as error:
-        reason = (str(error).splitlines() or [""])[0]
-        if isinstance(error, UnidentifiedImageError):
-            reason = "its bytes are of no image format"
-        raise FileError(
-            f"{path}: cannot be read as an image ({reason}); "
-            f"give one of {', '.join(FORMATS)} or TGA, undamaged"
-        ) from None

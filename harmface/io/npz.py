@@ -13,19 +13,22 @@ import numpy as np
 
 from harmface.errors import FileError
 from harmface.io.atomic import atomic_write
-from harmface.io.files import read_bytes
+from harmface.io.files import MAX_TEXT, PARSE_ERRORS, excerpt, read_bytes
+from harmface.io.tables import npy_header
 
 # NPZ is a zip archive, and a zip archive may end with a comment, whose length stands in the two
 # bytes before it: the digest of everything in front of these goes there, where numpy ignores it.
 _COMMENT = b"harmface sha256 "
 _DIGEST_LENGTH = len(_COMMENT) + 64
 _HEADER = "header"
-_HEADER_READERS = {
-    1: np.lib.format.read_array_header_1_0,
-    2: np.lib.format.read_array_header_2_0,
-}
-_DEFLATE = 1040
-"""No deflated byte holds more than 1032 others; a few belong to the stream itself."""
+MAX_BYTES = 2**30
+"""Most bytes of all arrays of a file, unless their file has a sixteenth of that: 1 GiB."""
+
+_PACKED = 16
+"""How many bytes a byte of a large file may stand for; those of photographs stand for two."""
+
+_MAX_MEMBERS = 1000
+"""Most arrays of a file; ours have about ten."""
 
 
 def write_npz(
@@ -67,14 +70,16 @@ def read_npz(
     Raises
     ------
     FileError
-        If the file is missing, of another kind or version, or any byte of it has changed.
+        If the file is missing, of another kind or version, or any byte of it has changed, or if
+        its arrays take more memory than 1 GiB and sixteen times the file.
     """
     path = Path(path)
     data = read_bytes(path)
     comment = data[-_DIGEST_LENGTH:]
     if not comment.startswith(_COMMENT):
         raise FileError(f"{path}: is not a harmface {kind} file, or is cut off; make it again")
-    body, length = data[: -_DIGEST_LENGTH - 2], data[-_DIGEST_LENGTH - 2 : -_DIGEST_LENGTH]
+    body = memoryview(data)[: -_DIGEST_LENGTH - 2]
+    length = data[-_DIGEST_LENGTH - 2 : -_DIGEST_LENGTH]
     digest = hashlib.sha256(body).hexdigest().encode()
     if comment[len(_COMMENT) :] != digest or int.from_bytes(length, "little") != _DIGEST_LENGTH:
         raise FileError(f"{path}: is damaged (its digest does not match); make it again")
@@ -85,27 +90,33 @@ def read_npz(
             arrays = {name: archive[name] for name in archive.files if name != _HEADER}
         found = header["kind"], header["version"]
         attributes = dict(header["attributes"])
-    except (KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
+    except PARSE_ERRORS as error:
         # The digest only shows that the bytes are those written, not who wrote them.
-        raise FileError(f"{path}: is not a harmface {kind} file ({error})") from None
+        raise FileError(f"{path}: is not a harmface {kind} file ({excerpt(error)})") from None
     if found != (kind, version):
         raise FileError(
-            f"{path}: holds {found[0]} version {found[1]}, but {kind} version {version} is "
-            "needed; make it again with this version of harmface"
+            f"{path}: holds {excerpt(found[0])} version {excerpt(found[1])}, but {kind} version "
+            f"{version} is needed; make it again with this version of harmface"
         )
     return arrays, attributes
 
 
 def _check_sizes(data: bytes) -> None:
-    """Refuse arrays whose headers ask for other memory than their bytes fill."""
+    """Refuse arrays that are too large, or that ask for other memory than their bytes fill."""
+    left = max(MAX_BYTES, _PACKED * len(data))
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        for member in archive.infolist():
-            if member.file_size > _DEFLATE * member.compress_size:
-                raise ValueError(f"{member.filename} claims more bytes than it can hold")
+        members = archive.infolist()
+        if len(members) > _MAX_MEMBERS:
+            raise ValueError(f"it has {len(members)} arrays, {_MAX_MEMBERS} at most are read")
+        for member in members:
+            left -= member.file_size
+            if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                raise ValueError(f"{member.filename} is compressed in another way than by deflate")
+            if left < 0:
+                raise ValueError(f"its arrays take more than {MAX_BYTES} bytes")
             with archive.open(member) as file:
-                major, _ = np.lib.format.read_magic(file)
-                if major not in _HEADER_READERS:
-                    raise ValueError(f"{member.filename} has NPY version {major}")
-                shape, _, dtype = _HEADER_READERS[major](file)
+                shape, _, dtype = npy_header(file)
+                if member.filename == f"{_HEADER}.npy" and member.file_size > MAX_TEXT:
+                    raise ValueError("its header is too long")
                 if math.prod(shape) * dtype.itemsize != member.file_size - file.tell():
                     raise ValueError(f"{member.filename} does not hold the array it claims")

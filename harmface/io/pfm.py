@@ -10,19 +10,30 @@ from harmface import checks
 from harmface.errors import ArgumentError, FileError
 from harmface.io.atomic import atomic_write
 from harmface.io.files import read_bytes
+from harmface.io.pictures import MAX_PIXELS, check_size
 
 _HEADER = re.compile(rb"(P[fF])\s+(\d{1,9})\s+(\d{1,9})\s+([-+0-9.eE]{1,32})\s")
 
 
-def read_pfm(path: Path | str) -> Float[np.ndarray, "H W *channels"]:
+def read_pfm(
+    path: Path | str, *, max_pixels: int = MAX_PIXELS
+) -> Float[np.ndarray, "H W *channels"]:
     """Return the values of a float map, float32, top row first: `(H, W)` or `(H, W, 3)`.
 
     The sign of the scale gives the byte order; its size is a unit, and is left alone.
 
+    Parameters
+    ----------
+    path
+        The file.
+    max_pixels
+        Largest picture read.
+
     Raises
     ------
     FileError
-        If the file is missing, no float map, or not as long as its header says.
+        If the file is missing, no float map, larger than `max_pixels`, or not as long as its
+        header says.
     """
     data = read_bytes(path)
     header = _HEADER.match(data)
@@ -30,12 +41,13 @@ def read_pfm(path: Path | str) -> Float[np.ndarray, "H W *channels"]:
         raise FileError(f"{path}: is not a portable float map (its header is not one)")
     kind, width, height, scale = header[1], int(header[2]), int(header[3]), header[4]
     channels = 3 if kind == b"PF" else 1
+    check_size(path, width, height, max_pixels)
     try:
         order = "<f4" if float(scale) < 0 else ">f4"
     except ValueError:
         raise FileError(f"{path}: its scale is not a number") from None
     expected, found = 4 * width * height * channels, len(data) - header.end()
-    if expected != found or expected == 0:
+    if expected != found:
         raise FileError(
             f"{path}: its header names {width} x {height} pixels, {expected} bytes, but {found} "
             "follow; copy or download it again"

@@ -1,6 +1,8 @@
 """Which files are photographs of one object, in which order, and what the others are for."""
 
+import os
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,9 +18,16 @@ PHOTOGRAPH_SUFFIXES = (
     ".jpg",
     ".jpeg",
     ".bmp",
+    ".webp",
 )
 
-LIGHT_FILES = ("lights.txt", "light_directions.txt")
+LIGHT_FILES = (
+    "lights.txt",
+    "light_directions.txt",
+    "lights.csv",
+    "lights.npy",
+    "light_directions.npy",
+)
 
 _MASK = re.compile(r"(.*[._ -])?mask", re.IGNORECASE)
 _UNLIT = re.compile(r"(.*[._ -])?(ambient|dark)([._ -]?\d+)?", re.IGNORECASE)
@@ -43,22 +52,78 @@ class Sorted:
     notes: tuple[str, ...]
 
 
+def files_below(folder: Path) -> Iterator[Path]:
+    """Yield the files below a folder that a person put there, in the order of their names.
+
+    Symbolic links to folders are followed, but none back into a folder that is being looked
+    through. What systems leave behind is passed over: hidden files and folders, `._` twins of
+    files and `__MACOSX`.
+
+    Raises
+    ------
+    FileError
+        If a folder cannot be read.
+    """
+    yield from _below(folder, frozenset())
+
+
+def _below(folder: Path, above: frozenset[str]) -> Iterator[Path]:
+    real = os.path.realpath(folder)
+    if real in above:
+        return
+    try:
+        entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+    except OSError as error:
+        raise FileError(f"{folder}: cannot be read: {error.strerror}") from None
+    for entry in entries:
+        if entry.name.startswith(".") or entry.name == "__MACOSX":
+            continue
+        if entry.is_dir():
+            yield from _below(folder / entry.name, above | {real})
+        elif entry.is_file():
+            yield folder / entry.name
+
+
 def photographs_in(folder: Path) -> list[Path]:
     """Return all images in a folder, hidden files aside, by name.
 
     Raises
     ------
     FileError
-        If there is none.
+        If there is none, or the folder cannot be read.
     """
+    try:
+        inside = list(folder.iterdir())
+    except OSError as error:
+        raise FileError(f"{folder}: cannot be read: {error.strerror}") from None
     files = sorted(
         path
-        for path in folder.iterdir()
+        for path in inside
         if path.suffix.lower() in PHOTOGRAPH_SUFFIXES and not path.name.startswith(".")
     )
     if not files:
         raise FileError(f"{folder}: holds no photographs; give PNG, TIFF, PGM, TGA or JPEG files")
     return files
+
+
+def light_file_of(folder: Path) -> Path | None:
+    """Return the file of lights in a folder, or else in the one that it lies in, if there is one.
+
+    Its name is one of `LIGHT_FILES`, or ends in `.lp`.
+
+    Raises
+    ------
+    FileError
+        If there are several that end in `.lp`, and none of the others.
+    """
+    for place in (folder, folder.absolute().parent):
+        found = [place / name for name in LIGHT_FILES if (place / name).is_file()]
+        found = found[:1] or [path for path in place.glob("*.lp") if path.is_file()]
+        if len(found) > 1 and place == folder:
+            raise FileError(f"{found[1]}: is a second file of lights; say which with --lights")
+        if len(found) == 1:
+            return found[0]
+    return None
 
 
 def sort_photographs(files: list[Path], mask: Path | None) -> Sorted:

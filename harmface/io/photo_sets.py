@@ -1,26 +1,27 @@
 """Folders of photographs of several people: the Extended Yale B layout, or a folder a person."""
 
 import re
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from harmface.conventions import luminance
-from harmface.errors import ArgumentError, FileError
-from harmface.io.files import read_bytes
+from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io.images import read_image
-from harmface.recognition.nine_points import nearest_lights, nine_points
+from harmface.io.photo_folders import PHOTOGRAPH_SUFFIXES, files_below
+from harmface.io.pictures import MAX_PIXELS, check_total
 
 SUBSET_LIMITS = (12.5, 25.5, 52.0, 77.5)
 """Largest angle, in degrees, between light and viewing axis of the subsets 1 to 4 of the database;
 beyond is subset 5. Its own list counts lights of 51.1 degrees in the third."""
 
 # yaleB01_P00A+035E+40.pgm: person, pose, azimuth and elevation of the light.
-_YALE_NAME = re.compile(r"(yaleB\d+)_P\d+A([+-]\d{3})E([+-]\d{2})\.(?:pgm|png|tiff?)")
-_SUFFIXES = (".png", ".pgm", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp")
+_YALE_NAME = re.compile(r"(yaleB\d+)_P(\d+)A([+-]\d{3})E([+-]\d{2})")
+_FRONTAL = "00"
 
 
 @dataclass(frozen=True)
@@ -45,31 +46,47 @@ class Photograph:
     subset: int
 
 
-def find_photographs(folder: Path | str) -> list[Photograph]:
+def find_photographs(folder: Path | str, *, sessions: bool = False) -> list[Photograph]:
     """List the photographs below a folder, by subject and name.
 
     In the Extended Yale B layout (`yaleB01/yaleB01_P00A+035E+40.pgm`) names tell the light; its
     ambient and spoilt (`.bad`) photographs and other stray files are passed over. Any other
-    folder is taken to hold a folder of photographs for each subject.
+    folder is taken to hold a folder of photographs for each subject. Hidden files and what
+    systems leave behind are passed over, links to folders are followed.
+
+    Parameters
+    ----------
+    folder
+        Where they are.
+    sessions
+        Whether a subject's folder holds others, such as one for each session, whose photographs
+        are the subject's; otherwise the folder in which a photograph lies is the subject.
 
     Raises
     ------
     FileError
-        If the folder is missing or holds photographs of fewer than two subjects.
+        If the folder is missing, cannot be read, holds photographs of fewer than two subjects, or
+        several folders of one.
+
+    Warns
+    -----
+    FileWarning
+        If photographs of the Yale database are left out because the head is turned.
     """
     folder = Path(folder)
     if not folder.is_dir():
         raise FileError(f"{folder}: is not a folder; give one of photographs")
-    files = sorted(path for path in folder.rglob("*") if path.is_file())
-    found = [
-        _yale_photograph(path, light)
+    files = sorted(files_below(folder))
+    found = _yale_photographs(folder, files)
+    by_name = bool(found)
+    found = found or [
+        Photograph(path, inside[0] if sessions else inside[-1], None, 0)
         for path in files
-        if (light := yale_light(path.name)) is not None
-    ] or [
-        Photograph(path, path.parent.name, None, 0)
-        for path in files
-        if path.suffix.lower() in _SUFFIXES and path.parent != folder
+        if path.suffix.lower() in PHOTOGRAPH_SUFFIXES
+        and (inside := path.relative_to(folder).parts[:-1])
     ]
+    if by_name or not sessions:
+        _check_folders(found)
     if len({photograph.subject for photograph in found}) < 2:
         raise FileError(
             f"{folder}: holds photographs of fewer than two subjects; give SUBJECT/*.png, or "
@@ -78,11 +95,25 @@ def find_photographs(folder: Path | str) -> list[Photograph]:
     return found
 
 
+def _check_folders(found: list[Photograph]) -> None:
+    """Refuse two folders of one name: they may be of two people, or of one."""
+    folders: dict[str, Path] = {}
+    for photograph in found:
+        place = photograph.path.parent
+        if folders.setdefault(photograph.subject, place) != place:
+            raise FileError(
+                f"{place}: is the second folder of subject {photograph.subject!r}, after "
+                f"{folders[photograph.subject]}; rename or merge it, or say sessions "
+                "(--sessions) if the folders around them are the subjects"
+            )
+
+
 def read_photographs(
     photographs: list[Photograph],
     *,
     srgb: bool = False,
     size: tuple[int, int] | None = None,
+    max_pixels: int = MAX_PIXELS,
     bad: Callable[[FileError], None] | None = None,
 ) -> tuple[list[Photograph], Float[np.ndarray, "n H W"]]:
     """Read photographs as one stack of luminance in [0, 1], float32.
@@ -94,7 +125,10 @@ def read_photographs(
     srgb
         Whether values are encoded in sRGB and should be made linear.
     size
-        Rows and columns to resize to, by area averages; all must be alike if not given.
+        Rows and columns to resize to, by area averages; all must be alike if not given. Their
+        ratio of sides must be one, and if it is not that of `size`, they are stretched.
+    max_pixels
+        Largest photograph read; as they are kept, all together may have 16 times as many pixels.
     bad
         Told of every file that cannot be read, which is then left out; without it the first such
         file ends the reading.
@@ -107,18 +141,33 @@ def read_photographs(
     Raises
     ------
     FileError
-        If a file cannot be read (and `bad` is not given), or has another size than the first.
-    """
-    import cv2
+        If a file cannot be read (and `bad` is not given), or has another size than the first, or
+        another ratio of sides.
 
+    Warns
+    -----
+    FileWarning
+        If photographs are stretched to another ratio of sides.
+    """
     kept: list[Photograph] = []
     images: list[np.ndarray] = []
+    stored: tuple[int, int] | None = None
     for photograph in photographs:
         try:
-            image = read_image(photograph.path, srgb=srgb)
+            image = read_image(photograph.path, srgb=srgb, max_pixels=max_pixels)
             image = luminance(image) if image.ndim == 3 else image
-            if size is not None and image.shape != size:
-                image = cv2.resize(image, size[::-1], interpolation=cv2.INTER_AREA)
+            if stored is None:
+                stored = (image.shape[0], image.shape[1])
+                if size is not None and not _alike(stored, size):
+                    warnings.warn(
+                        f"{photograph.path}: has {stored[0]} x {stored[1]} pixels, which are "
+                        f"stretched to another ratio of sides, {size[0]} x {size[1]}",
+                        FileWarning,
+                        stacklevel=2,
+                    )
+            if size is not None:
+                image = resized(photograph.path, image, size, stored)
+            check_total(photograph.path, len(photographs), image.shape, max_pixels)
             if images and image.shape != images[0].shape:
                 raise FileError(
                     f"{photograph.path}: has {image.shape[0]} x {image.shape[1]} pixels, others "
@@ -138,70 +187,46 @@ def read_photographs(
     return kept, np.stack(images)
 
 
-def choose_gallery(photographs: list[Photograph], gallery: str) -> Bool[np.ndarray, "n"]:
-    """Return which photographs make the gallery; all others are probes.
+def resized(
+    path: Path, image: Float[np.ndarray, "H W"], size: tuple[int, int], like: tuple[int, int]
+) -> Float[np.ndarray, "h w"]:
+    """Resize a photograph by area averages, as others were.
 
     Parameters
     ----------
-    photographs
-        All of them.
-    gallery
-        "ninepoints": of each subject those nearest to the nine points of light; "subset1": those
-        under frontal light; "first:N": the first of each subject; else a text file of names.
+    path
+        Named in errors.
+    image
+        The photograph.
+    size
+        Rows and columns to resize to.
+    like
+        Rows and columns that the others had: the ratio must be the same, to a pixel.
 
     Raises
     ------
-    ArgumentError
-        If a subject is not in the gallery, or lights are needed and not known.
     FileError
-        If the text file is missing or names other files.
+        If the ratio of sides is another.
     """
-    chosen = np.zeros(len(photographs), bool)
-    subjects = np.array([photograph.subject for photograph in photographs])
-    if gallery in ("ninepoints", "subset1"):
-        if any(photograph.light is None for photograph in photographs):
-            raise ArgumentError(
-                f"gallery {gallery} needs names that tell the light, as Extended Yale B has; "
-                "use first:N or a list"
-            )
-        if gallery == "subset1":
-            chosen = np.array([photograph.subset == 1 for photograph in photographs])
-        else:
-            chosen[_nine_points(photographs, subjects)] = True
-    elif gallery.startswith("first:"):
-        count = gallery.removeprefix("first:")
-        if not count.isdigit() or int(count) < 1:
-            raise ArgumentError(f"gallery first:N needs a whole number, got {gallery!r}")
-        for subject in np.unique(subjects):
-            chosen[np.flatnonzero(subjects == subject)[: int(count)]] = True
-    else:
-        chosen = _listed(photographs, Path(gallery))
-    missing = sorted(set(subjects) - set(subjects[chosen]))
-    if missing:
-        raise ArgumentError(f"gallery {gallery} holds no photograph of {missing[0]}")
-    return chosen
+    import cv2
+
+    if image.shape == size:
+        return image
+    if not _alike(image.shape, like):
+        raise FileError(
+            f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, another ratio of sides than "
+            f"others, {like[0]} x {like[1]}; crop it as they are"
+        )
+    return cv2.resize(image, size[::-1], interpolation=cv2.INTER_AREA)
 
 
-def _nine_points(photographs: list[Photograph], subjects: np.ndarray) -> np.ndarray:
-    found = []
-    for subject in np.unique(subjects):
-        own = np.flatnonzero(subjects == subject)
-        lights = np.array([photographs[i].light for i in own], dtype=np.float64)
-        found.append(own[nearest_lights(lights, nine_points())])
-    return np.concatenate(found)
-
-
-def _listed(photographs: list[Photograph], path: Path) -> np.ndarray:
-    try:
-        lines = read_bytes(path).decode().splitlines()
-    except UnicodeDecodeError:
-        raise FileError(f"{path}: is not a text file of photographs' names") from None
-    wanted = {line.strip() for line in lines if line.strip()}
-    names = [photograph.path.name for photograph in photographs]
-    unknown = sorted(wanted - set(names))
-    if unknown:
-        raise FileError(f"{path}: names {unknown[0]}, which is not among the photographs")
-    return np.array([name in wanted for name in names])
+def _alike(shape: tuple[int, ...], size: tuple[int, int]) -> bool:
+    """Return whether a picture has the ratio of sides of a size, to a pixel of it."""
+    rows, columns = size
+    return (
+        abs(columns - rows * shape[1] / shape[0]) <= 1
+        or abs(rows - columns * shape[0] / shape[1]) <= 1
+    )
 
 
 def yale_light(name: str) -> tuple[float, float, float] | None:
@@ -215,14 +240,41 @@ def yale_light(name: str) -> tuple[float, float, float] | None:
     >>> [round(x, 3) for x in yale_light("yaleB01_P00A+090E+00.pgm")]
     [-1.0, 0.0, 0.0]
     """
-    match = _YALE_NAME.fullmatch(name)
+    match = _yale_match(name)
     if not match:
         return None
-    a, e = np.radians(float(match[2])), np.radians(float(match[3]))
+    a, e = np.radians(float(match[3])), np.radians(float(match[4]))
     return float(-np.sin(a) * np.cos(e)), float(np.sin(e)), float(np.cos(a) * np.cos(e))
 
 
-def _yale_photograph(path: Path, light: tuple[float, float, float]) -> Photograph:
-    angle = np.degrees(np.arccos(np.clip(light[2], -1, 1)))
-    subset = 1 + int(np.searchsorted(SUBSET_LIMITS, angle))
-    return Photograph(path, path.name.split("_")[0], light, subset)
+def _yale_match(name: str) -> re.Match[str] | None:
+    path = PurePath(name)
+    known = path.suffix.lower() in PHOTOGRAPH_SUFFIXES
+    return _YALE_NAME.fullmatch(path.stem) if known else None
+
+
+def _yale_photographs(folder: Path, files: list[Path]) -> list[Photograph]:
+    """Return those of one pose: frontal, or else the only one that there is."""
+    matches = [(path, match) for path in files if (match := _yale_match(path.name))]
+    poses = sorted({match[2] for _, match in matches})
+    pose = _FRONTAL if _FRONTAL in poses else next(iter(poses), None)
+    if len(poses) > 1 and pose != _FRONTAL:
+        raise FileError(
+            f"{folder}: holds the poses P{', P'.join(poses)} but not P{_FRONTAL}; give one of them"
+        )
+    kept = [(path, match) for path, match in matches if match[2] == pose]
+    if len(kept) < len(matches):
+        warnings.warn(
+            f"{folder}: {len(matches) - len(kept)} photographs of other poses than P{pose} are "
+            "left out",
+            FileWarning,
+            stacklevel=3,
+        )
+    found = []
+    for path, match in kept:
+        light = yale_light(path.name)
+        assert light is not None
+        angle = np.degrees(np.arccos(np.clip(light[2], -1, 1)))
+        subset = 1 + int(np.searchsorted(SUBSET_LIMITS, angle))
+        found.append(Photograph(path, match[1], light, subset))
+    return found

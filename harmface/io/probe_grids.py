@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import FileError
+from harmface.io.files import PARSE_ERRORS, excerpt
 from harmface.io.npz import read_npz, write_npz
 from harmface.light import ProbeGrid
 
@@ -35,5 +36,5 @@ def read_probe_grid(path: Path | str) -> ProbeGrid:
         return ProbeGrid(arrays["origin"], arrays["spacing"], arrays["coefficients"])
     except KeyError as error:
         raise FileError(f"{path}: has no array {error}; make it again") from None
-    except ArgumentError as error:
-        raise FileError(f"{path}: {error}") from None
+    except PARSE_ERRORS as error:
+        raise FileError(f"{path}: is no probe grid of use ({excerpt(error)})") from None

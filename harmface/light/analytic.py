@@ -65,7 +65,7 @@ def disc(
     if not 0 < angular_radius <= np.pi / 2:
         raise ArgumentError(f"angular_radius must lie in (0, pi / 2], got {angular_radius}")
     # The disc's radiance is its irradiance over pi sin(radius)**2.
-    irradiance = checks.non_negative("irradiance", np.asarray(irradiance))
+    irradiance = checks.non_negative("irradiance", irradiance)
     zonal = _cap(angular_radius, max_degree) / (np.pi * np.sin(angular_radius) ** 2)
     return rotate_zonal(irradiance[..., None] * zonal, _axis(direction))
 
@@ -96,7 +96,7 @@ def cone(
     """
     if not 0 < half_angle <= np.pi:
         raise ArgumentError(f"half_angle must lie in (0, pi], got {half_angle}")
-    radiance = checks.non_negative("radiance", np.asarray(radiance))
+    radiance = checks.non_negative("radiance", radiance)
     return rotate_zonal(radiance[..., None] * _cap(half_angle, max_degree), _axis(direction))
 
 
@@ -119,7 +119,7 @@ def ambient(
     >>> ambient(1.0, 1).round(6)
     array([3.544908, 0.      , 0.      , 0.      ])
     """
-    radiance = checks.non_negative("radiance", np.asarray(radiance))
+    radiance = checks.non_negative("radiance", radiance)
     coefficients = np.zeros((*radiance.shape, harmonic_count(max_degree)), radiance.dtype)
     coefficients[..., 0] = np.sqrt(4 * np.pi) * radiance
     return coefficients
@@ -141,6 +141,7 @@ def add_lights(*coefficients: Float[np.ndarray, "..."]) -> Float[np.ndarray, "*c
     """
     if not coefficients:
         raise ArgumentError("coefficients of at least one light are needed")
+    coefficients = tuple(checks.finite("coefficients", light) for light in coefficients)
     count = max(light.shape[-1] for light in coefficients)
     leading = np.broadcast_shapes(*(light.shape[:-1] for light in coefficients))
     total = np.zeros((*leading, count), np.result_type(*coefficients))

@@ -38,7 +38,7 @@ def set_coefficient(
     """
     index = _index(coefficients, degree, order)
     edited = coefficients.copy()
-    edited[..., index] = checks.finite("value", np.asarray(value))
+    edited[..., index] = checks.finite("value", value)
     return edited
 
 
@@ -58,9 +58,7 @@ def scale_coefficient(
     array([ 1. , -0.5,  0. ,  0. ])
     """
     value = coefficients[..., _index(coefficients, degree, order)]
-    return set_coefficient(
-        coefficients, degree, order, value * checks.finite("factor", np.asarray(factor))
-    )
+    return set_coefficient(coefficients, degree, order, value * checks.finite("factor", factor))
 
 
 def animate_coefficient(

@@ -78,6 +78,7 @@ class EnvironmentMap:
             As for the class.
         """
         layout = layout_named(layout)
+        image = checks.floating("radiance", image)
         if image.ndim not in (layout.axes, layout.axes + 1):
             raise ArgumentError(
                 f"image must have the {layout.axes} pixel axes of a {layout.name} map and at most "

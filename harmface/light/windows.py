@@ -133,6 +133,8 @@ def windowed(
     ArgumentError
         If the window has not one weight for every degree.
     """
+    coefficients = checks.finite("coefficients", coefficients)
+    window = checks.finite("window", window)
     max_degree = max_degree_of(coefficients.shape[-1])
     if window.shape != (max_degree + 1,):
         raise ArgumentError(

@@ -87,6 +87,7 @@ def empirical_pca(
     >>> empirical_pca(images, count=2).fractions
     array([0.8, 0.2])
     """
+    images = checks.array_of("images", images)
     weights = pixel_weights(weights, images.shape[1:])
     seen = np.flatnonzero(weights)
     flat = images.reshape(len(images), -1)

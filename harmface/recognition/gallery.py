@@ -37,7 +37,7 @@ class Gallery:
     images: Float[np.ndarray, "N K H W"]
 
     def __post_init__(self) -> None:
-        checks.finite("images", self.images)
+        object.__setattr__(self, "images", checks.finite("images", self.images))
         if len(self.subjects) != len(self.images) or not self.subjects:
             raise ArgumentError(
                 f"subjects must name each of {len(self.images)} sets of images, "

@@ -59,7 +59,7 @@ def non_negative_distances(
     fitted = np.einsum("nsk,skl,nsl->ns", light, grams, light, optimize=True)
     crossed = np.einsum("nsk,nsk->ns", light, projections)
     relative = 1 + (fitted - 2 * crossed) / squared[:, None]
-    return np.sqrt(np.maximum(relative, 0)).astype(probes.dtype)
+    return np.sqrt(np.maximum(relative, 0)).astype(checks.floating("probes", probes).dtype)
 
 
 def non_negative_light(

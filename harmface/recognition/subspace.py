@@ -78,6 +78,7 @@ def subspace_distances(
     ArgumentError
         On NaN, an all-black probe, or probes of another size than the bases.
     """
+    bases = checks.finite("bases", bases)
     subjects, dimension, pixels = bases.shape
     probes = checked_probes(probes, pixels)
     squared = np.einsum("np,np->n", probes, probes)

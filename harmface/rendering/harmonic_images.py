@@ -64,6 +64,7 @@ def harmonic_images(
     if dark.any():
         # Any direction serves where nothing is reflected; unit length is asked of the rest.
         normals = np.where(dark[..., None], np.array([0, 0, 1], normals.dtype), normals)
+    normals = checks.unit_vectors("normals", normals)
     images = real_harmonics(normals, degree)
     per_degree = lambert_per_coefficient(degree).astype(images.dtype)
     images *= per_degree.reshape(-1, *[1] * albedo.ndim)
@@ -92,6 +93,7 @@ def relight(
     ArgumentError
         If the numbers of coefficients differ.
     """
+    lighting, basis = checks.finite("lighting", lighting), checks.finite("basis", basis)
     if lighting.shape[-1:] != basis.shape[:1]:
         raise ArgumentError(
             f"lighting must have {basis.shape[0]} coefficients as the basis has images, "
@@ -104,4 +106,5 @@ def outgoing_radiance(
     radiosity: Float[np.ndarray, "..."],
 ) -> Float[np.ndarray, "..."]:
     """Return the radiance `B / pi` that a diffuse surface of radiosity `B` sends out."""
+    radiosity = checks.finite("radiosity", radiosity)
     return radiosity / np.asarray(np.pi, radiosity.dtype)

@@ -62,6 +62,7 @@ def harmonic_irradiance(
     coefficients = checks.finite("coefficients", coefficients)
     max_degree = max_degree_of(coefficients.shape[-1])
     received = coefficients * lambert_per_coefficient(max_degree).astype(coefficients.dtype)
+    normals = checks.unit_vectors("normals", normals)
     return np.tensordot(received, real_harmonics(normals, max_degree), axes=1)
 
 

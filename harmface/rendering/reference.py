@@ -55,7 +55,14 @@ def clamped_cosines(
         Unit normals; zero vectors (the background) give 0.
     directions
         Unit directions to the light.
+
+    Raises
+    ------
+    ArgumentError
+        If a component is not finite, or there are not three of each.
     """
+    normals = checks.finite("normals", checks.vectors("normals", normals))
+    directions = checks.finite("directions", checks.vectors("directions", directions))
     return np.maximum(np.tensordot(directions, np.moveaxis(normals, -1, 0), axes=1), 0)
 
 
@@ -159,6 +166,7 @@ def box_average(
         Side of a block.
     """
     factor = checks.positive_integer("factor", factor)
+    images = checks.finite("images", images)
     *leading, rows, columns = images.shape
     if rows % factor or columns % factor:
         raise ArgumentError(f"images of {rows} x {columns} do not divide into blocks of {factor}")

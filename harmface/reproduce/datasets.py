@@ -27,8 +27,9 @@ from harmface import checks
 from harmface.conventions import luminance
 from harmface.errors import ArgumentError, FileError
 from harmface.geometry import frame_orthographic, gbuffer
-from harmface.io import atomic_write, write_image, write_npz, write_ply
+from harmface.io import atomic_write, claim, write_image, write_npz, write_ply
 from harmface.io.datasets import MANIFEST, VERSION
+from harmface.io.folders import make_folder
 from harmface.light import EnvironmentMap
 from harmface.rendering import box_average, render
 from harmface.reproduce.synthetic import Progress, light_of, mesh_of, subject_seed
@@ -116,41 +117,33 @@ def make_dataset(
     FileError
         If the folder is another's, or cannot be written to.
     """
-    _claim_folder(folder, request)
-    names = [f"subject_{number:04d}" for number in range(request.identities)]
-    missing = [n for n, name in enumerate(names) if not (folder / name / RECORD).exists()]
-    done = len(names) - len(missing)
-    if not (folder / MANIFEST).exists():
-        for _ in _rendered(folder, request, missing, names, workers):
-            done += 1
-            progress(done / len(names))
-        records = [json.loads((folder / name / RECORD).read_text()) for name in names]
-        manifest = {
-            "format": "harmface-dataset",
-            "version": VERSION,
-            "request": asdict(request),
-            "subjects": records,
-        }
-        _write_json(folder / MANIFEST, manifest)
-    # The manifest holds all of it; a kill between the two steps leaves work for the next run.
-    for name in names:
-        (folder / name / RECORD).unlink(missing_ok=True)
-    (folder / REQUEST).unlink(missing_ok=True)
+    make_folder(folder)
+    with claim(folder):
+        _begin(folder, request, make_folder(folder))
+        names = [f"subject_{number:04d}" for number in range(request.identities)]
+        missing = [n for n, name in enumerate(names) if not (folder / name / RECORD).exists()]
+        done = len(names) - len(missing)
+        if not (folder / MANIFEST).exists():
+            for _ in _rendered(folder, request, missing, names, workers):
+                done += 1
+                progress(done / len(names))
+            records = [json.loads((folder / name / RECORD).read_text()) for name in names]
+            manifest = {
+                "format": "harmface-dataset",
+                "version": VERSION,
+                "request": asdict(request),
+                "subjects": records,
+            }
+            _write_json(folder / MANIFEST, manifest)
+        # The manifest holds all of it; a kill between the two steps leaves work for the next run.
+        for name in names:
+            (folder / name / RECORD).unlink(missing_ok=True)
+        (folder / REQUEST).unlink(missing_ok=True)
 
 
-def _claim_folder(folder: Path, request: Request) -> None:
-    """Make the folder, or make sure that what it holds is of the same request."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        entries = sorted(entry.name for entry in folder.iterdir())
-    except OSError as error:
-        raise FileError(f"{folder}: cannot be used as a folder: {error.strerror}") from None
+def _begin(folder: Path, request: Request, entries: list[str]) -> None:
+    """Write the request down, or make sure that what the folder holds is of the same one."""
     started = next((name for name in (MANIFEST, REQUEST) if name in entries), None)
-    # A run killed while it wrote the first file leaves nothing but that file's temporary name.
-    for name in entries:
-        if name.startswith((f".{MANIFEST}.", f".{REQUEST}.")):
-            (folder / name).unlink()
-            entries = [entry for entry in entries if entry != name]
     if started is None:
         if entries:
             raise FileError(
@@ -160,7 +153,7 @@ def _claim_folder(folder: Path, request: Request) -> None:
         return
     try:
         found = json.loads((folder / started).read_text())["request"]
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, RecursionError, TypeError, ValueError):
         found = None
     if found != asdict(request):
         raise FileError(

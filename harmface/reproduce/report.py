@@ -5,7 +5,6 @@ from html import escape
 
 from harmface.reproduce.claims import Claim
 from harmface.reproduce.result import Result
-from harmface.viz import figure_bytes
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #1c1c1c; max-width: 62rem;
@@ -74,7 +73,7 @@ def _row(result: Result) -> str:
     return (
         f"<tr><td><a href='#{claim.id}'>{claim.id}</a></td><td>{escape(claim.source)}</td>"
         f"<td class='n'>{escape(published(claim))}</td>"
-        f"<td class='n'>{escape(numbers(result.measurement.values))}</td>"
+        f"<td class='n'>{escape(numbers(result.values))}</td>"
         f"<td class='{result.verdict}'>{result.verdict}</td></tr>"
     )
 
@@ -82,12 +81,11 @@ def _row(result: Result) -> str:
 def _detail(result: Result) -> str:
     figures = "".join(
         f"<figure><img alt='{escape(caption)}' src='data:image/png;base64,"
-        f"{b64encode(figure_bytes(figure)).decode()}'><figcaption>{escape(caption)}</figcaption>"
+        f"{b64encode(picture).decode()}'><figcaption>{escape(caption)}</figcaption>"
         "</figure>"
-        for caption, figure in result.measurement.figures.items()
+        for caption, picture in result.pictures.items()
     )
     return (
         f"<section id='{result.claim.id}'><h2>{result.claim.id}</h2>"
-        f"<p>{escape(result.claim.what)}.</p><p>{escape(result.measurement.note)} "
-        f"<small>({result.seconds:.1f} s)</small></p>{figures}</section>"
+        f"<p>{escape(result.claim.what)}.</p><p>{escape(result.note)}</p>{figures}</section>"
     )

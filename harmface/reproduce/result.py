@@ -3,15 +3,30 @@
 from dataclasses import dataclass
 
 from harmface.reproduce.claims import Claim
-from harmface.reproduce.experiment import Measurement
 
 
 @dataclass(frozen=True)
 class Result:
-    """A claim, what was measured, and whether it holds (None: not to be judged)."""
+    """A claim, what was measured, and whether it holds (None: not to be judged).
+
+    Parameters
+    ----------
+    claim
+        What was to be measured.
+    values, note
+        What was found, see `Measurement`.
+    pictures
+        Its figures as PNG, by caption.
+    holds
+        Whether the claim holds.
+    seconds
+        How long it took.
+    """
 
     claim: Claim
-    measurement: Measurement
+    values: list[float]
+    note: str
+    pictures: dict[str, bytes]
     holds: bool | None
     seconds: float
 

@@ -3,21 +3,27 @@
 import json
 import platform
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import ArgumentError
 from harmface.io import atomic_write, read_environment_map
+from harmface.io.atomic import claim as claimed
+from harmface.io.folders import make_folder
+from harmface.io.parts import Parts, digest
 from harmface.light import EnvironmentMap, resample
-from harmface.reproduce.claims import load_claims
+from harmface.reproduce.claims import Claim, load_claims
+from harmface.reproduce.experiment import Experiment
 from harmface.reproduce.irradiance import MAP_ROWS, natural_errors
 from harmface.reproduce.registry import EXPERIMENTS
 from harmface.reproduce.report import render_report
 from harmface.reproduce.result import Result
+from harmface.viz import figure_bytes
 
 
 def reproduce(
@@ -26,7 +32,10 @@ def reproduce(
     environments: Iterable[Path] = (),
     progress: Callable[[str], None] = lambda claim: None,
 ) -> list[Result]:
-    """Measure claims and write `report.html` and `results.json`.
+    """Measure claims and write `report.html`, `results.json` and `times.json`.
+
+    A run that was stopped goes on where it was: what it measured is kept in the folder till the
+    report is written. Only `times.json` holds what differs from run to run.
 
     Parameters
     ----------
@@ -53,24 +62,58 @@ def reproduce(
     experiments = dict(EXPERIMENTS)
     if maps:
         experiments["irradiance-error-natural"] = partial(natural_errors, maps)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(f"{folder}: cannot be used as a folder: {error.strerror}") from None
-    results = []
-    for name in wanted:
-        progress(name)
-        started = time.perf_counter()
-        # The products are small: more threads take longer, and change the order of sums.
-        with threadpool_limits(1):
-            measurement = experiments[name]()
-        holds = claims[name].holds(measurement.values)
-        results.append(Result(claims[name], measurement, holds, time.perf_counter() - started))
-    with atomic_write(folder / "report.html") as file:
-        file.write(render_report(results, _environment()).encode())
-    with atomic_write(folder / "results.json") as file:
-        file.write(json.dumps(_as_json(results), indent=1).encode() + b"\n")
+    make_folder(folder)
+    with claimed(folder):
+        radiance = {name: environment.radiance for name, environment in maps.items()}
+        parts = Parts(folder, digest("reproduce", radiance))
+        results = []
+        for claim in (claims[name] for name in wanted):
+            progress(claim.id)
+            results.append(_kept(parts, claim) or _measured(parts, claim, experiments))
+        times = {
+            "measured": time.strftime("%Y-%m-%d %H:%M"),
+            "seconds": {result.claim.id: round(result.seconds, 3) for result in results},
+        }
+        _write(folder / "report.html", render_report(results, _environment()))
+        _write(folder / "times.json", json.dumps(times, indent=1) + "\n")
+        _write(folder / "results.json", json.dumps(_as_json(results), indent=1) + "\n")
+        parts.clear()
     return results
+
+
+def _measured(parts: Parts, claim: Claim, experiments: Mapping[str, Experiment]) -> Result:
+    """Run an experiment, and keep what it found."""
+    started = time.perf_counter()
+    # The products are small: more threads take longer, and change the order of sums.
+    with threadpool_limits(1):
+        found = experiments[claim.id]()
+    seconds = time.perf_counter() - started
+    pictures = {caption: figure_bytes(figure) for caption, figure in found.figures.items()}
+    arrays = {
+        f"picture {number}": np.frombuffer(picture, np.uint8)
+        for number, picture in enumerate(pictures.values())
+    }
+    facts = {"values": found.values, "note": found.note, "seconds": seconds}
+    parts.save(claim.id, arrays, {**facts, "captions": list(pictures)})
+    return Result(claim, found.values, found.note, pictures, claim.holds(found.values), seconds)
+
+
+def _kept(parts: Parts, claim: Claim) -> Result | None:
+    """Return what a stopped run found for a claim, if it came to that."""
+    kept = parts.load(claim.id)
+    if kept is None:
+        return None
+    arrays, facts = kept
+    values, note, captions = facts["values"], facts["note"], facts["captions"]
+    pictures = {
+        caption: arrays[f"picture {number}"].tobytes() for number, caption in enumerate(captions)
+    }
+    return Result(claim, values, note, pictures, claim.holds(values), facts["seconds"])
+
+
+def _write(path: Path, text: str) -> None:
+    with atomic_write(path) as file:
+        file.write(text.encode())
 
 
 def _reduced(environment: EnvironmentMap) -> EnvironmentMap:
@@ -84,7 +127,6 @@ def _environment() -> dict[str, str]:
         "numpy": version("numpy"),
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
-        "measured": time.strftime("%Y-%m-%d %H:%M"),
     }
 
 
@@ -98,10 +140,9 @@ def _as_json(results: list[Result]) -> dict[str, object]:
                 "kind": result.claim.kind,
                 "expected": result.claim.expected,
                 "tolerance": result.claim.tolerance if result.claim.kind == "equal" else None,
-                "measured": result.measurement.values,
+                "measured": result.values,
                 "holds": result.holds,
-                "note": result.measurement.note,
-                "seconds": round(result.seconds, 3),
+                "note": result.note,
             }
             for result in results
         ],

@@ -15,7 +15,7 @@ from data_synth.shapes import SHAPES, Shape
 from harmface.checks import integer, positive_integer
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
-from harmface.io import atomic_write, prepare_folder, write_environment_map, write_ply
+from harmface.io import atomic_write, output_folder, write_environment_map, write_ply
 from harmface.light import DistantLight
 from harmface.rendering import box_average, render
 from harmface.sphere import real_harmonics
@@ -92,24 +92,24 @@ def synthesize_faces(
     count, seed = positive_integer("count", count), integer("seed", seed, 0)
     names = [f"face_{number:03d}.ply" for number in range(count)]
     subjects = []
-    prepare_folder(folder, [*names, MANIFEST])
-    for number, name in enumerate(names):
-        each = subject_seed(seed, number)
-        made = head(each)
-        write_ply(folder / name, mesh_of(made))
-        subjects.append({"file": name, "seed": each, "parameters": made.parameters})
-        progress((number + 1) / count)
-    write_manifest(folder, {"kind": "faces", "seed": seed, "subjects": subjects})
+    with output_folder(folder, [*names, MANIFEST]):
+        for number, name in enumerate(names):
+            each = subject_seed(seed, number)
+            made = head(each)
+            write_ply(folder / name, mesh_of(made))
+            subjects.append({"file": name, "seed": each, "parameters": made.parameters})
+            progress((number + 1) / count)
+        write_manifest(folder, {"kind": "faces", "seed": seed, "subjects": subjects})
 
 
 def synthesize_shapes(folder: Path, progress: Progress = lambda done: None) -> None:
     """Write the canonical shapes as PLY files, and a manifest."""
     names = {shape: f"{shape}.ply" for shape in SHAPES}
-    prepare_folder(folder, [*names.values(), MANIFEST])
-    for number, (shape, name) in enumerate(names.items()):
-        write_ply(folder / name, mesh_of(SHAPES[shape]()))
-        progress((number + 1) / len(names))
-    write_manifest(folder, {"kind": "shapes", "files": list(names.values())})
+    with output_folder(folder, [*names.values(), MANIFEST]):
+        for number, (shape, name) in enumerate(names.items()):
+            write_ply(folder / name, mesh_of(SHAPES[shape]()))
+            progress((number + 1) / len(names))
+        write_manifest(folder, {"kind": "shapes", "files": list(names.values())})
 
 
 def synthesize_environments(
@@ -129,17 +129,17 @@ def synthesize_environments(
     if integer("size", size, 8) % 2:
         raise ArgumentError(f"size must be even, as a lat-long map is 2 x 1, got {size}")
     names = {environment: f"{environment}.hdr" for environment in ENVIRONMENTS}
-    prepare_folder(folder, [*names.values(), MANIFEST])
     entries = []
-    for number, (environment, name) in enumerate(names.items()):
-        made = ENVIRONMENTS[environment]()
-        write_environment_map(folder / name, rasterise(made, size // 2).astype(np.float32))
-        directions, solid_angles = quadrature(made)
-        radiance = made.radiance(directions).T * solid_angles
-        coefficients = radiance @ real_harmonics(directions, COEFFICIENT_DEGREE).T
-        entries.append({"file": name, "coefficients": coefficients.tolist()})
-        progress((number + 1) / len(names))
-    write_manifest(folder, {"kind": "environments", "environments": entries})
+    with output_folder(folder, [*names.values(), MANIFEST]):
+        for number, (environment, name) in enumerate(names.items()):
+            made = ENVIRONMENTS[environment]()
+            write_environment_map(folder / name, rasterise(made, size // 2).astype(np.float32))
+            directions, solid_angles = quadrature(made)
+            radiance = made.radiance(directions).T * solid_angles
+            coefficients = radiance @ real_harmonics(directions, COEFFICIENT_DEGREE).T
+            entries.append({"file": name, "coefficients": coefficients.tolist()})
+            progress((number + 1) / len(names))
+        write_manifest(folder, {"kind": "environments", "environments": entries})
 
 
 def write_manifest(folder: Path, content: Mapping[str, Any]) -> None:

@@ -116,7 +116,7 @@ def complex_to_real(coefficients: Complex[np.ndarray, "... K"]) -> Float[np.ndar
     ArgumentError
         If `K` is not a square, a coefficient is not finite, or the function is not real.
     """
-    coefficients = np.asarray(coefficients)
+    coefficients = checks.array_of("coefficients", coefficients)
     if coefficients.dtype not in (np.complex64, np.complex128):
         raise ArgumentError(f"coefficients must be complex, got dtype {coefficients.dtype}")
     real, imaginary = checks.finite(

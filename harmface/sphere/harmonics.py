@@ -22,6 +22,11 @@ THREADS = min(os.cpu_count() or 1, 4)
 """Most threads at work; they share Python's lock between numpy's calls, and hence do not scale."""
 
 
+ROUNDINGS = 16
+"""Units in the last place by which the squared length of a direction just divided by its length
+may miss 1: three squares, two sums, a root and three quotients, each half a unit on both sides."""
+
+
 def block_size(max_degree: int) -> int:
     """Return how many directions to handle together.
 
@@ -41,7 +46,7 @@ def real_harmonics(
     Parameters
     ----------
     directions
-        Unit vectors, shape `(*pixels, 3)`.
+        Unit vectors, shape `(*pixels, 3)`; lengths within 5e-5 of 1 are brought to 1.
     max_degree
         Greatest degree `l`, at least 0, at most 150 in float32 and 1000 in float64.
 
@@ -109,9 +114,22 @@ class Block:
         for row, component in zip(self.xyz, points.T, strict=True):
             row[:] = component
         squared_lengths = fill_closed_forms(self.xyz, out, self.squares)
+        wrong = count_not_unit(squared_lengths)
+        if wrong:
+            return wrong
+        if beyond_rounding(squared_lengths):
+            # A harmonic of degree l is off by l times as much as its direction's length is.
+            self.xyz /= np.sqrt(squared_lengths)
+            fill_closed_forms(self.xyz, out, self.squares)
         if self.recurrence:
             self.recurrence.fill(out)
-        return count_not_unit(squared_lengths)
+        return 0
+
+
+def beyond_rounding(squared_lengths: Float[np.ndarray, "N"]) -> bool:
+    """Return whether a squared length is farther from 1 than a few roundings take it."""
+    most = ROUNDINGS * np.finfo(squared_lengths.dtype).eps
+    return bool(squared_lengths.min() < 1 - most or squared_lengths.max() > 1 + most)
 
 
 def count_not_unit(squared_lengths: Float[np.ndarray, "N"]) -> int:

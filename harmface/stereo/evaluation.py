@@ -48,10 +48,7 @@ def angular_errors(
     >>> angular_errors(np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 1.0, 0.0]])).round(6)
     array([90.])
     """
-    normals = checks.unit_vectors("normals", normals)
-    truth = checks.unit_vectors("truth", truth)
-    if normals.shape != truth.shape:
-        raise ArgumentError(f"truth must match normals {normals.shape}, got {truth.shape}")
+    normals, truth = _checked(normals, truth)
     chord = np.linalg.norm(normals - truth, axis=-1)
     return np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1)))
 
@@ -68,6 +65,7 @@ def without_convexity(
     normals: Float[np.ndarray, "p 3"], truth: Float[np.ndarray, "p 3"]
 ) -> Float[np.ndarray, "p 3"]:
     """Return the normals, or their convex-concave counterpart (-x, -y, z) if that is nearer."""
+    normals, truth = _checked(normals, truth)
     flipped = normals * np.array([-1, -1, 1], normals.dtype)
     return min(normals, flipped, key=lambda each: float(angular_errors(each, truth).mean()))
 
@@ -76,6 +74,7 @@ def without_rotation(
     normals: Float[np.ndarray, "p 3"], truth: Float[np.ndarray, "p 3"]
 ) -> Float[np.ndarray, "p 3"]:
     """Return the normals after the best rotation or reflection to the truth ([K76]_)."""
+    normals, truth = _checked(normals, truth)
     left, _, right = np.linalg.svd(truth.T @ normals)
     return normals @ (left @ right).T
 
@@ -88,6 +87,7 @@ def without_lorentz(
     It moves normals as a conformal map of the sphere; this is what images of exactly degree 1 or
     2 leave open, see `second_order`.
     """
+    normals, truth = _checked(normals, truth)
     null = np.concatenate([np.ones((1, len(normals))), normals.T])
     image = nearest_lorentz(normals, truth) @ null
     return np.asarray((image[1:] / image[0]).T)
@@ -113,6 +113,7 @@ def without_bas_relief(
     `n ~ (s n_x + mu n_z, s n_y + nu n_z, lambda n_z)`, s = 1 or -1: what images of a surface under
     distant lamps leave open.
     """
+    normals, truth = _checked(normals, truth)
 
     def turned(numbers: Float[np.ndarray, "3"], sign: float) -> Float[np.ndarray, "p 3"]:
         mu, nu, stretch = numbers
@@ -127,3 +128,14 @@ def without_bas_relief(
     ]
     best, sign = min(fits, key=lambda each: float(each[0].cost))
     return turned(best.x, sign)
+
+
+def _checked(
+    normals: Float[np.ndarray, "*pixels 3"], truth: Float[np.ndarray, "*pixels 3"]
+) -> tuple[Float[np.ndarray, "*pixels 3"], Float[np.ndarray, "*pixels 3"]]:
+    """Return unit normals of one shape."""
+    normals = checks.unit_vectors("normals", normals)
+    truth = checks.unit_vectors("truth", truth)
+    if normals.shape != truth.shape:
+        raise ArgumentError(f"truth must match normals {normals.shape}, got {truth.shape}")
+    return normals, truth

@@ -133,8 +133,8 @@ def photometric_stereo(
     stack = replace(stack, values=stack.values.astype(np.float64, copy=False))
     # Thousands of small products: more than one thread slows them by a third.
     with threadpool_limits(1, user_api="blas"):
-        if method == "known-lights":
-            found = _under_known_light(stack, np.asarray(light), smoothness, progress)
+        if light is not None:
+            found = _under_known_light(stack, checks.finite("light", light), smoothness, progress)
         elif method == "refined":
             found = refined(
                 stack,
@@ -185,7 +185,7 @@ def _under_known_light(
     beliefs: tuple[Belief, ...] = ()
     if light.ndim == 2 and light.shape[1] == 3:
         model = SINGLE
-        light = checks.vectors("light", checks.finite("light", light)).astype(np.float64)
+        light = light.astype(np.float64)
         require_light_for_each("light", len(light), len(stack.values))
         if np.allclose(np.linalg.norm(light, axis=1), 1, atol=UNIT) and len(light) > UNKNOWNS:
             strengths, beliefs = strengths_of(stack, light)

@@ -92,7 +92,7 @@ def image_stack(
         On too few images, a mask that is empty or of another size, NaN, negative values,
         images that are all alike up to exposure, or if everything is saturated.
     """
-    images = np.asarray(images)
+    images = checks.array_of("images", images)
     if images.ndim != 3:
         raise ArgumentError(
             f"images must have shape (F, H, W), one size for all, got {images.shape}; "
@@ -136,10 +136,7 @@ def checked_mask(
     """Return a mask that has pixels and the size of the images; all pixels if there is none."""
     if mask is None:
         return np.ones(shape, dtype=bool)
-    mask = np.asarray(mask)
-    if mask.shape != shape:
-        raise ArgumentError(f"mask must have the images' size {shape}, got {mask.shape}")
-    mask = mask.astype(bool)
+    mask = checks.mask("mask", mask, shape)
     if not mask.any():
         raise ArgumentError("mask must cover at least one pixel, got an empty one")
     return mask

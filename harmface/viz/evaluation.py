@@ -1,4 +1,4 @@
-"""How recognisers did on the same probes: by lighting subset, by rank, as verification, in time."""
+"""How recognisers did on the same probes: by lighting subset, by rank, as verification."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,24 +6,23 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 
 RANKS = 20
 """Ranks of the cumulative match that are shown."""
 
 
 def evaluation_figure(methods: Mapping[str, Mapping[str, Any]]) -> Figure:
-    """Return errors by subset with their intervals, cumulative match, ROC, and time per probe.
+    """Return errors by subset with their intervals, cumulative match, and ROC.
 
     Parameters
     ----------
     methods
         What `harmface evaluate` found of each: `subsets` of `errors`, `probes` and `interval`;
-        `cumulative_match`; `roc` of `false_accepts`, `true_accepts` and `true_accepts_relative`;
-        `seconds_per_probe`.
+        `cumulative_match`; `roc` of `false_accepts`, `true_accepts` and `true_accepts_relative`.
     """
-    figure = Figure(figsize=(11, 7.2), layout="constrained")
-    (by_subset, by_rank), (verification, time) = figure.subplots(2, 2)
+    figure = Figure(figsize=(14, 3.9), layout="constrained")
+    by_subset, by_rank, verification = figure.subplots(1, 3)
     colors = {name: f"C{number % 10}" for number, name in enumerate(methods)}
     _bars(by_subset, methods, colors)
     for number, (name, found) in enumerate(methods.items()):
@@ -43,13 +42,6 @@ def evaluation_figure(methods: Mapping[str, Mapping[str, Any]]) -> Figure:
         ylabel="true accepts, %",
         xscale="log",
     )
-    times = [1000 * found["seconds_per_probe"] for found in methods.values()]
-    time.barh(list(methods), times, color=list(colors.values()))
-    # Whole decades, so that there is a labelled tick at either end.
-    decades = 10 ** np.array([np.floor(np.log10(min(times))), np.ceil(np.log10(max(times)))])
-    time.set(title="time", xlabel="ms per probe", xscale="log", xlim=decades * [0.9, 1.1])
-    time.xaxis.set_minor_formatter(NullFormatter())
-    time.invert_yaxis()
     for axes in figure.axes:
         axes.spines[["top", "right"]].set_visible(False)
     return figure

@@ -6,6 +6,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from harmface.errors import FileError
+from harmface.io.atomic import atomic_write
 
 DPI = 120
 
@@ -31,11 +32,5 @@ def write_figure(path: Path | str, figure: Figure) -> None:
     path = Path(path)
     if path.suffix.lower() != ".png":
         raise FileError(f"{path}: figures are written as PNG; give a name that ends in .png")
-    # viz and io are siblings that do not know each other, so the rename is done here.
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        partial.write_bytes(figure_bytes(figure))
-        partial.replace(path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise FileError(f"{path}: cannot be written: {error.strerror}") from None
+    with atomic_write(path) as file:
+        file.write(figure_bytes(figure))

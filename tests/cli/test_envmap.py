@@ -1,10 +1,11 @@
 import json
 
 import numpy as np
+import OpenEXR
 import pytest
 from PIL import Image
 
-from harmface.io import read_environment_map, write_environment_map
+from harmface.io import read_environment_map, read_image, write_environment_map, write_image
 from harmface.light import EnvironmentMap, cone, project, published_probe
 from harmface.light.layouts import layout_named
 from harmface.sphere import synthesize
@@ -129,3 +130,63 @@ def test_grey_maps_have_one_channel(run, tmp_path):
     found = coefficients_of(run("envmap", "project", "g.pfm", "--degree", 0, "--json"))
     assert np.allclose(found, [[np.sqrt(4 * np.pi)]])
     assert EnvironmentMap.from_image(np.ones((8, 16))).channels == ()
+
+
+def test_maps_of_8_bits_are_taken_as_linear_with_a_note_or_decoded(run, tmp_path):
+    write_image(tmp_path / "m.png", np.full((4, 8, 3), 0.5), bits=8)
+    value = 128 / 255
+    # A constant radiance has the coefficient sqrt(4 pi) times it, and no other.
+    for options, radiance, note in (
+        ((), value, True),
+        (("--linear",), value, False),
+        (("--srgb",), ((value + 0.055) / 1.055) ** 2.4, False),
+    ):
+        outcome = run("envmap", "project", "m.png", "--degree", 0, "--json", *options)
+        assert outcome.code == 0
+        found = json.loads(outcome.out)["coefficients"]
+        np.testing.assert_allclose(found, np.full((3, 1), radiance * np.sqrt(4 * np.pi)), rtol=1e-3)
+        assert ("note: m.png: holds 8 bits" in outcome.err) is note
+    outcome = run("envmap", "project", "m.png", "--max-pixels", 31)
+    assert outcome.code == 2
+    assert "more pixels than the limit of 31" in outcome.err
+
+
+def test_parts_of_a_file_are_chosen(run, tmp_path):
+    parts = [
+        OpenEXR.Part(
+            {"name": name, "type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION},
+            {"RGB": np.full((4, 8, 3), value, np.float32)},
+        )
+        for name, value in (("key", 1), ("fill", 2))
+    ]
+    with OpenEXR.File(parts) as file:
+        file.write(str(tmp_path / "m.exr"))
+    for options, value, note in (((), 1, True), (("--part", "fill"), 2, False)):
+        outcome = run("envmap", "project", "m.exr", "--degree", 0, "--json", *options)
+        found = json.loads(outcome.out)["coefficients"][0][0]
+        assert found == pytest.approx(value * np.sqrt(4 * np.pi), rel=1e-6)
+        assert ("holds several pictures, of which 'key' was read" in outcome.err) is note
+
+
+def test_render_decodes_its_environment_apart_from_its_picture(run, tmp_path):
+    run("synth", "shapes", "--out", "shapes")
+    write_image(tmp_path / "m.png", np.full((4, 8, 3), 0.5), bits=8)
+    common = (
+        "render",
+        "shapes/torus.ply",
+        "--environment",
+        "m.png",
+        "--size",
+        16,
+        "--exposure",
+        0.5,
+    )
+    common += ("--no-cast-shadows",)
+    values = []
+    for number, option in enumerate(("--linear-environment", "--srgb-environment")):
+        assert run(*common, option, "--out", f"{number}.png").code == 0
+        values.append(read_image(tmp_path / f"{number}.png"))
+    value = 128 / 255
+    lit = values[0] > 0.1
+    ratio = ((value + 0.055) / 1.055) ** 2.4 / value
+    np.testing.assert_allclose(values[1][lit] / values[0][lit], ratio, rtol=1e-3)

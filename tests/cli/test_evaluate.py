@@ -9,7 +9,7 @@ from data_synth.faces import head
 from data_synth.lightings import yale64
 from harmface.cli.evaluate import evaluate
 from harmface.geometry import frame_orthographic, gbuffer
-from harmface.io import find_photographs, read_photographs
+from harmface.io import find_photographs, read_gallery, read_photographs
 from harmface.recognition.baselines import METHODS, NORMALIZERS
 from harmface.rendering import render
 from harmface.reproduce.synthetic import light_of, mesh_of
@@ -82,7 +82,10 @@ def test_a_table_a_figure_and_the_protocol_are_written(run, yale, tmp_path):
     outcome = run(*arguments, "--skip-bad", "--json", "--size", "24x21")
     assert outcome.code == 0
     record = json.loads((tmp_path / "report" / "results.json").read_text())
-    assert record == json.loads(outcome.out)
+    times = json.loads((tmp_path / "report" / "times.json").read_text())["seconds_per_probe"]
+    for name, found in record["methods"].items():
+        found_with_time = {**found, "seconds_per_probe": times[name]}
+        assert json.loads(outcome.out)["methods"][name] == found_with_time
     protocol = record["protocol"]
     assert protocol["subjects"] == PEOPLE
     assert protocol["rows_and_columns"] == [24, 21]
@@ -177,3 +180,33 @@ def test_the_help_names_every_method():
         assert any(name in word.strip("();").split("+") for word in told), name
     for name in NORMALIZERS:
         assert f"{name}+" in told
+
+
+def test_sessions_links_and_ratios_of_sides(run, photographs, tmp_path):
+    for person, stack in enumerate(photographs[:2]):
+        for session in ("may", "june"):
+            folder = tmp_path / "archive" / f"person{person}" / session
+            folder.mkdir(parents=True)
+            for number, image in enumerate(stack[:6]):
+                Image.fromarray(image).save(folder / f"{number}.png")
+        (tmp_path / "people").mkdir(exist_ok=True)
+        (tmp_path / "people" / f"person{person}").symlink_to(
+            tmp_path / "archive" / f"person{person}"
+        )
+    common = ("enroll", "people", "--out", "g.npz", "--method", "nearest")
+    outcome = run(*common)
+    assert outcome.code == 2
+    assert "--sessions" in outcome.err
+    outcome = run(*common, "--sessions", "--size", "20x40")
+    assert outcome.code == 0, outcome.err
+    assert "stretched to another ratio of sides" in outcome.err
+    assert read_gallery(tmp_path / "g.npz").gallery.images.shape == (24, 20, 40)
+    # A probe is stretched as the gallery was, and one of another ratio is refused.
+    probe = "archive/person0/may/1.png"
+    outcome = run("recognize", "g.npz", probe, "--json")
+    assert json.loads(outcome.out)["results"][0]["ranking"][0]["subject"] == "person0"
+    with Image.open(tmp_path / probe) as image:
+        image.crop((0, 0, image.width // 2, image.height)).save(tmp_path / "half.png")
+    outcome = run("recognize", "g.npz", "half.png")
+    assert outcome.code == 2
+    assert "another ratio of sides" in outcome.err

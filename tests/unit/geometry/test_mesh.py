@@ -3,7 +3,7 @@ import pytest
 
 from data_synth.shapes import ellipsoid, torus
 from harmface.errors import ArgumentError
-from harmface.geometry import Mesh, vertex_normals
+from harmface.geometry import Mesh, one_side, vertex_normals
 
 TRIANGLE = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
 FACE = np.array([[0, 1, 2]])
@@ -74,3 +74,40 @@ def test_normals_do_not_depend_on_how_a_square_is_cut():
 
 def test_a_degenerate_face_leaves_a_usable_normal():
     assert np.array_equal(vertex_normals(TRIANGLE * 0, FACE), UP)
+
+
+@pytest.mark.parametrize("order", ["one after the other", "one side first", "at random"])
+def test_of_faces_that_come_twice_both_ways_one_counts(order, rng):
+    shape = ellipsoid()
+    faces = np.concatenate([shape.faces, shape.faces[:, ::-1]])
+    if order == "one after the other":
+        faces = faces.reshape(2, -1, 3).swapaxes(0, 1).reshape(-1, 3)
+    elif order == "at random":
+        faces = rng.permutation(faces)[:, [1, 2, 0]]
+    expected = vertex_normals(shape.vertices, shape.faces)
+    assert np.allclose(vertex_normals(shape.vertices, faces), expected, atol=1e-12)
+    kept, which = one_side(shape.vertices, faces)
+    assert len(kept) == which.sum() == len(shape.faces)
+
+
+def test_a_sheet_with_two_sides_and_vertices_for_each_keeps_the_first():
+    vertices = np.concatenate([TRIANGLE, TRIANGLE])
+    faces = np.array([[0, 1, 2], [5, 4, 3]])
+    assert np.allclose(vertex_normals(vertices, faces), [0, 0, 1])
+    assert np.allclose(vertex_normals(vertices, faces[::-1]), [0, 0, -1])
+
+
+def test_a_mesh_with_one_side_is_left_as_it_is():
+    shape = torus()
+    flat = np.concatenate([shape.faces, [[0, 0, 1]]])
+    kept, which = one_side(shape.vertices, flat)
+    assert kept is flat
+    assert which.all()
+
+
+def test_faces_that_cancel_to_rounding_leave_a_usable_normal():
+    # A tent folded flat: its two sides face each other, but share only an edge.
+    vertices = np.array([[0.0, 0, 0], [1, 0.3, 0.1], [0, 1, 0], [0, 1, 1e-17]])
+    normals = vertex_normals(vertices * 0.7, np.array([[0, 1, 2], [0, 3, 1]]))
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1)
+    assert np.array_equal(normals[:2], UP[:2])

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.io import savemat
 
 from harmface.conventions import LUMINANCE, srgb_to_linear
 from harmface.errors import FileError
@@ -111,6 +112,127 @@ def test_observations_saturated_in_any_channel_are_told(tmp_path):
         Image.fromarray(codes).save(tmp_path / f"{number}.png")
     (tmp_path / "light_intensities.txt").write_text("2 3 4\n" * 4)
     assert np.array_equal(read_capture([tmp_path]).saturated, expected)
+
+
+def sphere(lights, size=64):
+    """Return photographs, F x H x W in [0, 1], of a white ball under lights of one strength."""
+    x, y = np.meshgrid(np.linspace(-1, 1, size), np.linspace(1, -1, size))
+    z = np.sqrt(np.maximum(1 - x**2 - y**2, 0))
+    shade = np.einsum("fi,ihw->fhw", lights, np.stack([x, y, z])).clip(0)
+    return shade * (x**2 + y**2 < 1)
+
+
+def ring(count=6, tilt=0.5):
+    angle = 2 * np.pi * np.arange(count) / count
+    height = np.full(count, np.cos(tilt))
+    return np.stack([np.sin(tilt) * np.cos(angle), np.sin(tilt) * np.sin(angle), height], axis=1)
+
+
+def save_codes(folder, images, full):
+    folder.mkdir(exist_ok=True)
+    for number, image in enumerate(images):
+        codes = np.clip(image * full, 0, full).astype(np.uint16)
+        Image.fromarray(codes).save(folder / f"{number}.tif")
+    return folder
+
+
+@pytest.mark.parametrize("full", [4095, 16383])
+def test_a_common_code_below_full_scale_is_where_photographs_are_clipped(tmp_path, full):
+    images = 1.9 * sphere(ring())
+    found = read_capture([save_codes(tmp_path / "a", images, full)])
+    twin = read_capture([save_codes(tmp_path / "b", images, 65535)])
+    np.testing.assert_array_equal(twin.saturated, images >= 1)
+    # A code of the coarser file is 1 / full of its range.
+    np.testing.assert_array_equal(found.saturated, images >= 1)
+    (note,) = found.notes
+    share = f"{(images >= 1).mean():.1%}"
+    assert note.startswith(f"the photographs are clipped at {full}, below the largest code")
+    assert f"65535: {share} of the observations are taken as saturated" in note
+    assert twin.notes == ()
+
+
+@pytest.mark.parametrize("strength", [0.3, 0.9])
+@pytest.mark.parametrize("full", [255, 4095, 65535])
+def test_photographs_that_are_not_clipped_are_left_alone(tmp_path, strength, full):
+    """All have the same largest code, where a ball faces the light, in a flat maximum."""
+    found = read_capture([save_codes(tmp_path / "a", strength * sphere(ring(), 200), full)])
+    assert not found.saturated.any()
+    assert found.notes == ()
+    flat = np.full((3, 4, 6), 0.5) * (np.arange(4)[:, None] > 0)
+    assert not read_capture([save_codes(tmp_path / "b", flat, full)]).saturated.any()
+
+
+def test_lights_are_found_one_folder_up(tmp_path):
+    folder = tmp_path / "photos"
+    folder.mkdir()
+    for number in range(3):
+        photograph(folder / f"{number}.png", 9)
+    lights = np.array([[0.6, 0, 0.8], [0, 0.6, 0.8], [0, 0, 1]])
+    np.savetxt(tmp_path / "lights.txt", lights)
+    found = read_capture([folder])
+    np.testing.assert_allclose(found.lights, lights)
+    assert found.notes == (f"the lights are those of {tmp_path / 'lights.txt'}",)
+    np.savetxt(tmp_path / "lights.txt", np.ones((7, 3)))
+    found = read_capture([folder])
+    assert found.lights is None
+    assert "lights beside the folder are not used" in found.notes[0]
+    np.savetxt(folder / "lights.txt", np.ones((7, 3)))
+    with pytest.raises(FileError, match="holds 7 lines"):
+        read_capture([folder])
+
+
+def test_a_file_of_rti_names_its_photographs(tmp_path):
+    for number in range(3):
+        photograph(tmp_path / f"{number}.png", 9)
+    (tmp_path / "set.lp").write_text("3\n2.jpg 0 0 1\n0.jpg 0.6 0 0.8\n1.jpg 0 0.6 0.8\n")
+    expected = [[0.6, 0, 0.8], [0, 0.6, 0.8], [0, 0, 1]]
+    np.testing.assert_allclose(read_capture([tmp_path]).lights, expected)
+    (tmp_path / "other.lp").write_text("3\n")
+    with pytest.raises(FileError, match="second file of lights"):
+        read_capture([tmp_path])
+
+
+def test_photographs_are_turned_with_their_mask(tmp_path):
+    exif = Image.Exif()
+    exif[0x112] = 6
+    codes = np.arange(24, dtype=np.uint8).reshape(SHAPE)
+    for number in range(3):
+        Image.fromarray(codes).save(tmp_path / f"{number}.png", exif=exif)
+    Image.fromarray(np.full(SHAPE, 255, np.uint8)).save(tmp_path / "mask.png", exif=exif)
+    found = read_capture([tmp_path])
+    np.testing.assert_allclose(found.images[0] * 255, np.rot90(codes, -1), rtol=1e-6)
+    assert found.mask.shape == (6, 4)
+
+
+def test_a_set_too_large_for_memory_is_refused_before_it_is_taken(tmp_path):
+    for number in range(17):
+        photograph(tmp_path / f"{number:02}.png", 9)
+    with pytest.raises(FileError, match="16 more have 6 x 4 pixels each, more than 16 times 24"):
+        read_capture([tmp_path], max_pixels=24)
+    assert len(read_capture([tmp_path], max_pixels=26).images) == 17
+
+
+def test_lists_of_names_are_checked(tmp_path):
+    photograph(tmp_path / "a b.png", 9)
+    (tmp_path / "filenames.txt").write_text("a b.png\n")
+    assert read_capture([tmp_path]).names == ("a b.png",)
+    for text in ("../a.png", "a\0b.png", "\n", "x" * 5000 + "/y"):
+        (tmp_path / "filenames.txt").write_text(text)
+        with pytest.raises(FileError, match="plain file names") as error:
+            read_capture([tmp_path])
+        assert len(str(error.value)) < 400
+
+
+def test_normals_of_a_matlab_file_are_the_truth(tmp_path, rng):
+    for number in range(3):
+        photograph(tmp_path / f"{number}.png", 9)
+    normals = rng.normal(size=(*SHAPE, 3))
+    savemat(tmp_path / "Normal_gt.mat", {"Normal_gt": normals})
+    np.testing.assert_array_equal(read_capture([tmp_path]).truth, normals)
+    for wrong in (normals[1:], normals * np.nan):
+        savemat(tmp_path / "Normal_gt.mat", {"Normal_gt": wrong})
+        with pytest.raises(FileError, match="4 x 6 x 3 as the photographs are"):
+            read_capture([tmp_path])
 
 
 def test_reading_reports_its_progress(tmp_path):

@@ -1,4 +1,6 @@
 import errno
+import os
+from pathlib import Path
 
 import pytest
 
@@ -33,6 +35,9 @@ def test_a_missing_folder_is_named(tmp_path):
         (lambda path: None, "does not exist"),
         (lambda path: path.mkdir(), "is a folder"),
         (lambda path: path.write_bytes(b""), "is empty"),
+        (lambda path: os.mkfifo(path), "is a pipe or a device"),
+        (lambda path: path.symlink_to("/dev/zero"), "is a pipe or a device"),
+        (lambda path: path.symlink_to(path), "symbolic links"),
     ],
 )
 def test_files_that_cannot_be_read_are_named(tmp_path, make, message):
@@ -47,3 +52,18 @@ def test_a_huge_file_is_not_taken_into_memory(tmp_path):
         file.truncate(2**33)
     with pytest.raises(FileError, match="more than the limit"):
         read_bytes(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("a\0b", "no name that a file can have"), ("a" * 5000, "cannot be read")]
+)
+def test_names_that_no_file_can_have_are_refused(name, said):
+    with pytest.raises(FileError, match=said):
+        read_bytes(Path(name))
+
+
+def test_a_text_longer_than_its_limit_is_not_read(tmp_path):
+    (tmp_path / "a").write_bytes(b"12345")
+    assert read_bytes(tmp_path / "a", 5) == b"12345"
+    with pytest.raises(FileError, match="more than the limit of 4"):
+        read_bytes(tmp_path / "a", 4)

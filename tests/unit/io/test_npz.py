@@ -60,10 +60,10 @@ def test_a_plain_archive_is_refused(tmp_path):
         read_npz(tmp_path / "plain.npz", "thing", 3)
 
 
-def forged(path, members):
+def forged(path, members, compression=zipfile.ZIP_DEFLATED):
     """An archive of raw members under a valid digest."""
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(buffer, "w", compression) as archive:
         for name, content in members.items():
             archive.writestr(name, content)
     body = buffer.getvalue()[:-2]
@@ -77,9 +77,44 @@ def test_arrays_that_claim_more_than_they_hold_are_refused(tmp_path):
     np.lib.format.write_array_header_1_0(claim, header)
     for content, message in (
         (claim.getvalue(), "does not hold the array it claims"),
-        (b"\x93NUMPY\x09\x00", "NPY version 9"),
+        (b"\x93NUMPY\x09\x00", "NPY version is 9"),
         (b"no array", "not a harmface thing"),
     ):
         forged(tmp_path / "f.npz", {"a.npy": content})
         with pytest.raises(FileError, match=message):
             read_npz(tmp_path / "f.npz", "thing", 3)
+
+
+def array_bytes(array):
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
+
+
+def test_headers_that_no_parser_survives_are_refused(tmp_path):
+    deep = b"\x93NUMPY\x02\x00" + (100_000).to_bytes(4, "little") + b"[" * 100_000
+    text = array_bytes(np.array("[" * 100_000))
+    for members in ({"a.npy": deep}, {"header.npy": text}, {"header.npy": array_bytes(1.5)}, {}):
+        forged(tmp_path / "f.npz", members)
+        with pytest.raises(FileError, match="not a harmface thing") as error:
+            read_npz(tmp_path / "f.npz", "thing", 3)
+        assert len(str(error.value)) < 300 + len(str(tmp_path))
+
+
+def test_a_small_file_does_not_become_gigabytes(tmp_path):
+    """Each array is sound, and all of them together fill more than the limit."""
+    part = array_bytes(np.zeros(2**27, np.uint8))
+    forged(tmp_path / "f.npz", {f"a{number}.npy": part for number in range(9)})
+    assert (tmp_path / "f.npz").stat().st_size < 2e6
+    with pytest.raises(FileError, match="arrays take more than 1073741824 bytes"):
+        read_npz(tmp_path / "f.npz", "thing", 3)
+
+
+def test_thousands_of_arrays_and_other_compressions_are_refused(tmp_path):
+    part = array_bytes(np.zeros(1))
+    forged(tmp_path / "f.npz", {f"a{number}.npy": part for number in range(1001)})
+    with pytest.raises(FileError, match="it has 1001 arrays"):
+        read_npz(tmp_path / "f.npz", "thing", 3)
+    forged(tmp_path / "f.npz", {"a.npy": part}, zipfile.ZIP_LZMA)
+    with pytest.raises(FileError, match="another way than by deflate"):
+        read_npz(tmp_path / "f.npz", "thing", 3)

@@ -156,12 +156,47 @@ def test_nonsense_is_refused(arguments, message):
             '[{"name": "../..", "images": [{"file": "passwd"}]}]}',
             "no plain file name",
         ),
+        (
+            '{"format": "harmface-dataset", "version": 1, "subjects": '
+            '[{"name": ["a"], "images": []}]}',
+            "no plain file name",
+        ),
+        (
+            '{"format": "harmface-dataset", "version": 1, "subjects": '
+            '[{"name": "a", "images": [{"file": "a\\u0000b"}]}]}',
+            "no plain file name",
+        ),
+        ('{"format": "' + "x" * 9999 + '", "version": 1, "subjects": []}', "version 1 is needed"),
+        ("[" * 100_000, "is no manifest"),
     ],
+    ids=range(8),
 )
 def test_foreign_manifests_are_refused(tmp_path, text, message):
     (tmp_path / "manifest.json").write_text(text)
-    with pytest.raises(FileError, match=message):
+    with pytest.raises(FileError, match=message) as error:
         read_dataset(tmp_path)
+    assert len(str(error.value)) < 500 + len(str(tmp_path))
+
+
+@pytest.mark.parametrize(
+    "lights",
+    [
+        '"directions": [[0, 0, 1]], "images": [{"file": "i", "irradiances": 3}]',
+        '"directions": [[0, 0, 1]], "images": [{"file": "i"}]',
+        '"directions": [[0, 0]], "images": []',
+        '"images": []',
+        '"directions": [[0, 0, 1]], "images": [{"file": "i", "irradiances": '
+        '{"direction": [-1], "value": [1]}}]',
+        '"directions": [[0, 0, 1]], "images": [{"file": "i", "irradiances": '
+        '{"direction": [1e400], "value": [1]}}]',
+    ],
+)
+def test_lights_that_make_no_sense_are_refused(tmp_path, lights):
+    (tmp_path / "manifest.json").write_text(
+        f'{{"format": "harmface-dataset", "version": 1, "subjects": [{{"name": "a", {lights}}}]}}'
+    )
+    with pytest.raises(FileError, match="has no lights of use for 'a'"):
+        read_dataset(tmp_path).lights("a")
 
 
 def test_unknown_subjects_are_named(made):

@@ -114,3 +114,15 @@ def test_refuses_a_negative_degree():
 def test_refuses_directions_without_three_components(unchecked):
     with pytest.raises(ArgumentError, match=r"directions must have shape \(..., 3\)"):
         real_harmonics(np.ones((4, 2)), 1)
+
+
+@pytest.mark.parametrize("max_degree", [2, 100])
+def test_directions_that_are_nearly_unit_are_brought_to_unit_length(max_degree):
+    directions = random_directions(50, 6)
+    stretch = 1 + 4e-5 * np.random.default_rng(0).uniform(-1, 1, (50, 1))
+    exact = real_harmonics(directions, max_degree)
+    found = real_harmonics(directions * stretch, max_degree)
+    # A direction rounded otherwise changes a harmonic of degree l by up to l times its greatest
+    # size; sqrt(l) is room for the recurrence.
+    tolerance = 8 * np.finfo(float).eps * max_degree**1.5 * np.abs(exact).max()
+    assert np.abs(found - exact).max() < tolerance

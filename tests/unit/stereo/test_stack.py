@@ -15,7 +15,7 @@ IMAGES = RNG.uniform(0.1, 1.0, (6, 5, 7))
         ({"images": IMAGES[:3]}, "at least 4, got 3"),
         ({"images": IMAGES[0]}, r"shape \(F, H, W\)"),
         ({"mask": np.zeros((5, 7), bool)}, "at least one pixel"),
-        ({"mask": np.ones((7, 5), bool)}, "mask must have the images' size"),
+        ({"mask": np.ones((7, 5), bool)}, "mask must have the size"),
         ({"images": np.where(IMAGES > 0.5, np.nan, IMAGES)}, "finite"),
         ({"images": -IMAGES}, "must not be negative"),
         ({"saturated": IMAGES[1:] > 0.9}, r"saturated must tell .* got bool of shape \(5, 5, 7\)"),

@@ -1,0 +1,1 @@
+"""Damaged files by the thousand: each is read, or refused by name."""
