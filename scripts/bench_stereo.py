@@ -189,10 +189,10 @@ def real(folder: Path | None) -> Iterator[Set]:
             (np.load(file) for file in sorted((place / "truth").glob("*normals.npy"))), None
         )
         if truth is None and capture.lights is not None:
-            # The directions times one irradiance: strengths are not estimated.
             known = photometric_stereo(
                 capture.images, capture.mask, method="known-lights",
-                light=2 * capture.lights, saturated=capture.saturated,
+                light=capture.lights, strengths=np.ones(len(capture.lights)),
+                saturated=capture.saturated,
             )  # fmt: skip
             truth = known.normals
         name = str(place.relative_to(folder))

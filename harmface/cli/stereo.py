@@ -137,6 +137,7 @@ def stereo(
             seen,
             method=method,
             light=capture.lights if known else None,
+            strengths=capture.strengths if known else None,
             symmetric=symmetric,
             saturated=capture.saturated,
             smoothness=smoothness,

@@ -38,6 +38,8 @@ class Capture:
         The object, if a mask came with it.
     lights
         Unit direction to the light of each photograph, if known.
+    strengths
+        Of the lights in the images: 1 of each where these were divided by known intensities.
     truth
         True unit normals, if known; zero in the background.
     notes
@@ -49,6 +51,7 @@ class Capture:
     saturated: Bool[np.ndarray, "F H W"]
     mask: Bool[np.ndarray, "H W"] | None
     lights: Float[np.ndarray, "F 3"] | None
+    strengths: Float[np.ndarray, "F"] | None
     truth: Float[np.ndarray, "H W 3"] | None
     notes: tuple[str, ...]
 
@@ -112,6 +115,7 @@ def read_capture(
         saturated,
         mask_image,
         None if known is None else known.directions,
+        None if intensities is None else np.ones(len(files)),
         None if truth is None else _matlab_normals(truth, images.shape[1:]),
         (*found.notes, *light_notes, *notes, *_encoding_notes(files, srgb)),
     )

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import distance_transform_edt
 
-from harmface.stereo.stack import ImageStack, picture
+from harmface.stereo.stack import ImageStack, index_of
 
 MOST_PIXELS = 6000
 """Pixels that settle a few dozen numbers; more only cost time."""
@@ -80,5 +80,5 @@ def nearest_blocks(
     # Beyond the last whole block there may be a strip of pixels.
     last = np.array(coarse_mask.shape) - 1
     block = tuple(np.minimum(np.argwhere(mask)[columns] // factor, last).T)
-    index = picture(np.arange(int(coarse_mask.sum())), coarse_mask, -1)
+    index = index_of(coarse_mask)
     return np.asarray(index[row[block], column[block]])

@@ -37,8 +37,14 @@ STRETCHES = np.exp(np.linspace(-0.8, 0.6, 6))
 STARTS = 3
 """Best members of a family that are improved."""
 
+ALIKE = 0.05
+"""Angle between maps, as vectors of their entries, below which one optimum is meant: 3 degrees."""
+
 TRIED = 300
 """Random members of the Lorentz group that are tried: neighbours are some 25 degrees apart."""
+
+PARTS = 5
+"""Families that these members are parted into: three still miss the best optimum now and then."""
 
 RAPIDITY = 0.6
 """Spread of random boosts; 0.6 turns a normal across the boost by 33 degrees."""
@@ -181,14 +187,16 @@ def bas_reliefs(rows: Rows, structure: Float[np.ndarray, "p d"]) -> list[Rows]:
 
 
 def lorentz_families(rng: np.random.Generator) -> list[list[Rows]]:
-    """Return the last three rows of random Lorentz transformations, and their negatives.
+    """Return the last three rows of random Lorentz transformations, and of their negatives.
 
-    The frame that null vectors come in is of unknown parity.
+    The frame that null vectors come in is of unknown parity. Six numbers have many optima, so the
+    members of each parity are several families, of each of which the best are followed.
     """
     turns = Rotation.random(TRIED, random_state=rng).as_rotvec()
     parameters = np.concatenate([rng.normal(0, RAPIDITY, (TRIED, 3)), turns], axis=1)
     members = [lorentz_transformation(each)[1:] for each in parameters]
-    return [members, [-rows for rows in members]]
+    families = [members[k::PARTS] for k in range(PARTS)]
+    return families + [[-rows for rows in family] for family in families]
 
 
 def improved(
@@ -256,9 +264,18 @@ def _optima(
         best = np.argsort(costs, kind="stable")[:STARTS]
         found += [improved(cues, family[k], move, FEW_ROUNDS) for k in best]
     found.sort(key=lambda each: each[0])
-    # Those that lag far behind will not catch up.
-    near = [improved(cues, rows, move) for cost, rows in found if cost < found[0][0] + RIVAL]
-    return sorted(near, key=lambda each: each[0])
+    optima: list[tuple[float, Rows]] = []
+    for cost, rows in found:
+        # Those that lag far behind will not catch up, and those beside an optimum lead there.
+        if cost < found[0][0] + RIVAL and not any(_alike(rows, other) for _, other in optima):
+            optima.append(improved(cues, rows, move))
+    return sorted(optima, key=lambda each: each[0])
+
+
+def _alike(rows: Rows, other: Rows) -> bool:
+    """Return whether two maps are about the same, their size aside."""
+    cosine = (rows * other).sum() / (np.linalg.norm(rows) * np.linalg.norm(other))
+    return bool(cosine > np.cos(ALIKE))
 
 
 def _scale(cue: Cue, rows: Rows) -> float:

@@ -36,10 +36,6 @@ from harmface.stereo.lorentz import METRIC, NullCone, fit_null_cone, nearest_lor
 EXACT = 1e-10
 """Share of the energy beyond nine dimensions, or that nine harmonics leave, that is rounding."""
 
-SIX = 6.0
-"""Numbers by which a map departs from a Lorentz transformation: no more is known of light that is
-not of degree 1."""
-
 PIXELS = 2000
 """Pixels that are fitted exactly; they fix 27 numbers."""
 
@@ -106,7 +102,7 @@ def first_order(
     seen = structure_field(v, mask, np.ones(len(v)), np.full(len(v), noise))
     # Rows T W^-1 of null vectors W v are those of a Lorentz transformation.
     back = np.linalg.inv(cone.frame)
-    cues = [*_cues(seen), LightMetric(-back @ METRIC @ back.T, votes=SIX)]
+    cues = [*_cues(seen), LightMetric(-back @ METRIC @ back.T)]
     families = [[rows @ cone.frame for rows in each] for each in lorentz_families(rng)]
     families.append(_leading(v, mask, noise, rng))
     gauge = choose_map(cues, families)

@@ -47,9 +47,6 @@ from harmface.stereo.unknown_light import harmonic, harmonic_light, refined
 FEWEST_IMAGES = {"4d": 4, "9d": 9, "refined": 4, "known-lights": 3}
 """Images that each method needs."""
 
-UNIT = 1e-3
-"""Departure from length one, by rounding in a file, of directions without strengths."""
-
 ENCODED = (
     "images look gamma-encoded: they come nearer to four dimensions when the sRGB curve is "
     "undone; decode them first"
@@ -71,6 +68,7 @@ def photometric_stereo(
     *,
     method: str = "refined",
     light: Float[np.ndarray, "F q"] | None = None,
+    strengths: Float[np.ndarray, "F"] | None = None,
     normals_known: Float[np.ndarray, "H W 3"] | None = None,
     symmetric: bool = False,
     saturated: Bool[np.ndarray, "F H W"] | None = None,
@@ -96,8 +94,10 @@ def photometric_stereo(
         the closed forms of degree 1 and 2, for matte objects under general light.
         "known-lights": with `light`.
     light
-        Of "known-lights": `(F, 3)` unit directions, whose strengths are then estimated; `(F, 3)`
-        directions times irradiance; or `(F, K)` harmonic coefficients of radiance, K = 4, 9, ...
+        Of "known-lights": `(F, 3)` unit directions to the lamps, or `(F, K)` harmonic coefficients
+        of radiance, K = 4, 9, ...
+    strengths
+        Irradiance by each lamp on a surface that faces it; estimated if directions alone are known.
     normals_known
         For "refined": normals measured at a few pixels, zero vectors elsewhere. Of more than 300,
         so many are used, spread over all.
@@ -127,14 +127,14 @@ def photometric_stereo(
         On an unknown method, arguments that it cannot use, too few images, images alike, an empty
         mask, NaN, light of the wrong number, or if everything is saturated.
     """
-    _check_method(method, light, normals_known, symmetric, smoothness)
+    _check_method(method, light, strengths, normals_known, symmetric, smoothness)
     rng = checks.generator(rng)
     stack = image_stack(images, mask, minimum=FEWEST_IMAGES[method], saturated=saturated)
     stack = replace(stack, values=stack.values.astype(np.float64, copy=False))
     # Thousands of small products: more than one thread slows them by a third.
     with threadpool_limits(1, user_api="blas"):
         if light is not None:
-            found = _under_known_light(stack, checks.finite("light", light), smoothness, progress)
+            found = _under_known_light(stack, light, strengths, smoothness, progress)
         elif method == "refined":
             found = refined(
                 stack,
@@ -152,7 +152,12 @@ def photometric_stereo(
 
 
 def _check_method(
-    method: str, light: object, normals: object, symmetric: bool, smoothness: float | None
+    method: str,
+    light: object,
+    strengths: object,
+    normals: object,
+    symmetric: bool,
+    smoothness: float | None,
 ) -> None:
     if method not in FEWEST_IMAGES:
         raise ArgumentError(f"method must be one of {', '.join(FEWEST_IMAGES)}, got {method!r}")
@@ -161,6 +166,8 @@ def _check_method(
             f"light must be given for the method 'known-lights' and for no other, got {method!r} "
             f"{'with' if light is not None else 'without'} light"
         )
+    if strengths is not None and light is None:
+        raise ArgumentError("strengths are those of the lamps in light, which is missing")
     if smoothness is not None and not 0 <= smoothness < np.inf:
         raise ArgumentError(f"smoothness must be at least 0 and finite, got {smoothness}")
     if smoothness is not None and method in ("4d", "9d"):
@@ -177,26 +184,12 @@ def _check_method(
 def _under_known_light(
     stack: ImageStack,
     light: Float[np.ndarray, "F q"],
+    strengths: Float[np.ndarray, "F"] | None,
     smoothness: float | None,
     progress: Callable[[float], None],
 ) -> Recovered:
     """Return every pixel fitted by itself, a share of them at a time to spare memory."""
-    model: LightModel
-    beliefs: tuple[Belief, ...] = ()
-    if light.ndim == 2 and light.shape[1] == 3:
-        model = SINGLE
-        light = light.astype(np.float64)
-        require_light_for_each("light", len(light), len(stack.values))
-        if np.allclose(np.linalg.norm(light, axis=1), 1, atol=UNIT) and len(light) > UNKNOWNS:
-            strengths, beliefs = strengths_of(stack, light)
-            light = light * strengths[:, None]
-    elif light.ndim == 2 and light.shape[1] >= 4:
-        model = HarmonicLight(max_degree_of(light.shape[1]))
-    else:
-        raise ArgumentError(
-            "light must be (F, 3) directions or (F, K) harmonic coefficients with K = 4, 9, ..., "
-            f"got shape {light.shape}"
-        )
+    model, light, beliefs, warnings = _known_light(stack, light, strengths)
     pixels = stack.values.shape[1]
     b, noise, few = np.empty((pixels, 3)), np.empty(pixels), np.empty(pixels, dtype=bool)
     kept = None if smoothness is None else np.empty(stack.values.shape, np.float32)
@@ -214,9 +207,9 @@ def _under_known_light(
         if kept is not None:
             kept[:, some] = weights
         progress((number + 1) / len(parts))
-    warnings: tuple[str, ...] = ()
     if few.mean() > MANY:
         warnings = (
+            *warnings,
             f"{few.mean():.0%} of the pixels are seen in fewer than three photographs, neither "
             "dark nor saturated: their normals are guesses",
         )
@@ -239,6 +232,35 @@ def _under_known_light(
         lamps=lamps,
         warnings=warnings,
     )
+
+
+def _known_light(
+    stack: ImageStack, light: Float[np.ndarray, "F q"], strengths: Float[np.ndarray, "F"] | None
+) -> tuple[LightModel, Float[np.ndarray, "F q"], tuple[Belief, ...], tuple[str, ...]]:
+    """Return the model of known light, its parameters, beliefs, and what was assumed."""
+    light = checks.finite("light", light).astype(np.float64)
+    if light.ndim != 2 or light.shape[1] < 3:
+        raise ArgumentError(
+            "light must be (F, 3) directions or (F, K) harmonic coefficients with K = 4, 9, ..., "
+            f"got shape {light.shape}"
+        )
+    require_light_for_each("light", len(light), len(stack.values))
+    if light.shape[1] > 3:
+        if strengths is not None:
+            raise ArgumentError("strengths belong to directions; coefficients hold theirs")
+        return HarmonicLight(max_degree_of(light.shape[1])), light, (), ()
+    light = checks.unit_vectors("light", light)
+    if strengths is not None:
+        strengths = checks.non_negative("strengths", strengths)
+        if strengths.shape != (len(light),):
+            raise ArgumentError(
+                f"strengths must be one for each of the {len(light)} lamps, got {strengths.shape}"
+            )
+        return SINGLE, light * strengths[:, None], (), ()
+    if len(light) <= UNKNOWNS:
+        return SINGLE, light, (), ("three images do not tell the lamps' strengths: taken as equal",)
+    strengths, beliefs = strengths_of(stack, light)
+    return SINGLE, light * strengths[:, None], beliefs, ()
 
 
 def _by_directions(

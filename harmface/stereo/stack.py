@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Float, Num
+from jaxtyping import Bool, Float, Int, Num
 
 from harmface import checks
 from harmface.errors import ArgumentError
@@ -61,6 +61,13 @@ def picture(
     image = np.full((*mask.shape, *values.shape[1:]), background, dtype=values.dtype)
     image[mask] = values
     return image
+
+
+def index_of(mask: Bool[np.ndarray, "H W"]) -> Int[np.ndarray, "H W"]:
+    """Return the number of each pixel among the masked ones, -1 outside."""
+    index = np.full(mask.shape, -1)
+    index[mask] = np.arange(mask.sum())
+    return index
 
 
 def image_stack(

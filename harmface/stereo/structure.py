@@ -226,11 +226,25 @@ def explain(
     some = rng.permutation(lit)[:PIXELS]
     few = spread_images(stack, FIRST_IMAGES)
     found = _explained(few, knowledge, some, rng)
-    if not has_several_points(found.model):
-        if few is not stack:
-            found = _explained(stack, knowledge, some, rng, like=found.model)
-        cues = cues_of(stack, found, knowledge)
-        return found, choose_map(cues, _families(stack, found, cues, rng), _move(found))
+    if has_several_points(found.model):
+        return _of_several_points(stack, few, found, knowledge, some, rng)
+    if is_single(found.model):
+        found = _single(stack, some)
+    elif few is not stack:
+        found = _explained(stack, knowledge, some, rng)
+    cues = cues_of(stack, found, knowledge)
+    return found, choose_map(cues, _families(stack, found, cues, rng), _move(found))
+
+
+def _of_several_points(
+    stack: ImageStack,
+    few: ImageStack,
+    found: Structure,
+    knowledge: Knowledge,
+    some: Int[np.ndarray, "n"],
+    rng: np.random.Generator,
+) -> tuple[Structure, Gauge]:
+    """Return points of all images, and their map, from those of a few."""
     cues = cues_of(few, found, knowledge)
     rows = choose_map(cues, _families(few, found, cues, rng)).rows
     tried = [_settled(few, found, rows, knowledge, some, gradient) for gradient in (False, True)]
@@ -319,30 +333,29 @@ def _move(found: Structure) -> Move:
     return boosted if isinstance(found.model, HarmonicLight) else shifted
 
 
-def _explained(
-    stack: ImageStack,
-    knowledge: Knowledge,
-    some: Int[np.ndarray, "n"],
-    rng: np.random.Generator,
-    like: LightModel | None = None,
-) -> Structure:
-    """Return single sources if they explain the images about as well as many do, or many.
+def _single(stack: ImageStack, some: Int[np.ndarray, "n"]) -> Structure:
+    """Return one source an image, and what it lights."""
+    found = single_sources(stack.values, stack.usable, leading_dimensions(stack.values), some)
+    left = stack.values - SINGLE.predict(found.light, found.b)
+    scale = robust_scale(left[found.lit])
+    return Structure(SINGLE, found.light, found.b, found.weights, scale, found.converged)
 
-    If some of the images were explained already, others are not tried where single sources did.
-    """
+
+def _explained(
+    stack: ImageStack, knowledge: Knowledge, some: Int[np.ndarray, "n"], rng: np.random.Generator
+) -> Structure:
+    """Return single sources if they explain the images about as well as many do, or many."""
     values, seen = stack.values, stack.seen
-    leading = leading_dimensions(values)
-    single = single_sources(values, stack.usable, leading, some)
-    left = values - SINGLE.predict(single.light, single.b)
-    scale = robust_scale(left[single.lit])
-    by_single = Structure(SINGLE, single.light, single.b, single.weights, scale, single.converged)
-    if scale < EXPLAINED or (like is not None and is_single(like)):
+    by_single = _single(stack, some)
+    if by_single.residual < EXPLAINED:
         return by_single
-    misfit_by_single = misfit_of(values, single.lit, SINGLE, single.light, single.b)
-    left, lit = left[:, some], single.lit[:, some]
+    leading = leading_dimensions(values)
+    lit = by_single.weights > 0
+    misfit_by_single = misfit_of(values, lit, SINGLE, by_single.light, by_single.b)
+    left = (values - SINGLE.predict(by_single.light, by_single.b))[:, some]
     under_dense, least = under_dense_light(values[:, some], seen[:, some], leading[some])
     # Most that another model could gain, as if it had no unknowns.
-    if misfit(left[lit]) - misfit(least[lit]) < GAIN:
+    if misfit(left[lit[:, some]]) - misfit(least[lit[:, some]]) < GAIN:
         return by_single
     cues = cues_of(stack, by_single, knowledge)
     rough = by_single.b @ choose_map(cues, _families(stack, by_single, cues, rng)).rows.T
@@ -352,7 +365,7 @@ def _explained(
     start = rough if isinstance(fit.model, HarmonicLight) else leading
     by_many = _everywhere(stack, fit, start @ _drift(start[some], fit.b))
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
-    gained = misfit_by_single - misfit_of(values, single.lit, fit.model, fit.light, by_many.b)
+    gained = misfit_by_single - misfit_of(values, lit, fit.model, fit.light, by_many.b)
     dark = not isinstance(fit.model, HarmonicLight)
     dark = dark and uniform_share(fit.model, fit.light) < DARK_ROOM
     return by_single if gained < (GAIN_IN_THE_DARK if dark else GAIN) else by_many

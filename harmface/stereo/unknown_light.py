@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_erosion
 
 from harmface.stereo.coarse import coarse_factor, coarse_stack, nearest_blocks, spread_over
-from harmface.stereo.cues import outline_of
+from harmface.stereo.cues import Rim, outline_of
 from harmface.stereo.factorization import chunks, factorize, interleaved
 from harmface.stereo.gauge import Gauge, spread_of_maps
 from harmface.stereo.harmonic import EXACT, exact_second_order, first_order, second_order
@@ -26,15 +26,18 @@ from harmface.stereo.result import Recovered
 from harmface.stereo.stack import ImageStack
 from harmface.stereo.structure import Knowledge, Measured, Structure, explain
 from harmface.stereo.surface import of_one_surface
-from harmface.stereo.uncertainty import beside_neighbours, map_error, noise_error, smoothed_noise
+from harmface.stereo.uncertainty import (
+    MapError,
+    beside_neighbours,
+    map_error,
+    noise_error,
+    smoothed_noise,
+)
 
 Progress = Callable[[float], None]
 
 WEAK = 1e-3
 """Share of the first singular value below which a ninth dimension is of no use."""
-
-FEWEST_OF_RIM = 16
-"""Pixels below which an outline says nothing."""
 
 
 def refined(
@@ -89,7 +92,6 @@ def refined(
         raw, weights = _every_pixel(stack, found, start, lambda done: progress(0.6 + 0.3 * done))
     b = found.mapped(gauge.rows, raw)
     noise = noise_error(stack.values, found.model, found.light, raw, weights)
-    warnings: tuple[str, ...] = ()
     if smoothness is not None:
         model, light = found.model, found.light
         if isinstance(model, HarmonicLight):
@@ -99,10 +101,10 @@ def refined(
         smooth = of_one_surface(stack, model, light, b, weights, smoothness)
         noise = smoothed_noise(noise, b, smooth, stack.mask)
         b = smooth
-    convex, how = _convex(b, stack.mask, known_normals is not None)
-    sources = None
+    convex, how = _convex(b, stack.mask, gauge, known_normals is not None)
+    lamps = None
     if is_single(found.model):
-        sources = found.light @ np.linalg.inv(gauge.rows) * (convex, convex, 1)
+        lamps = found.light @ np.linalg.inv(gauge.rows) * (convex, convex, 1)
     return _recovered(
         "refined",
         b * (convex, convex, 1),
@@ -114,8 +116,7 @@ def refined(
         how,
         light_model=_name_of(found),
         converged=found.converged,
-        lamps=sources,
-        warnings=warnings,
+        lamps=lamps,
     )
 
 
@@ -144,7 +145,10 @@ def harmonic(
     found = first_order(space.structure[:4], coarse.mask, noise=space.noise, rng=rng, cone=cone)
     progress(0.3)
     if not found.signature_held:
-        warnings.append("the quadric of the first-order structure lost its signature")
+        warnings.append(
+            "the quadric of the first-order structure lost its signature: the closed form does not "
+            "hold, use the method 'refined'"
+        )
     if order == 2:
         found = second_order(space.structure, coarse.mask, found, noise=space.noise)
         if 1 - space.energy[8] < EXACT:
@@ -163,9 +167,9 @@ def harmonic(
     model = HarmonicLight(order)
     light = harmonic_light(stack.values, b, order)
     noise = noise_error(stack.values, model, light, b, np.broadcast_to(1.0, stack.values.shape))
-    convex, how = _convex(b, stack.mask, False)
+    convex, how = _convex(b, stack.mask, found.gauge, False)
     numbers = spread_over(found.numbers, space.structure, structure)
-    return _recovered(
+    recovered = _recovered(
         ("4d", "9d")[order - 1],
         b * (convex, convex, 1),
         noise,
@@ -177,6 +181,9 @@ def harmonic(
         signature_held=found.signature_held,
         warnings=tuple(warnings),
     )
+    if found.signature_held:
+        return recovered
+    return replace(recovered, of_map=MapError(np.full(len(b), 90.0), (90.0, 90.0), 1.0))
 
 
 def _recovered(
@@ -238,27 +245,27 @@ def harmonic_light(
 
 
 def _convex(
-    b: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], measured: bool
+    b: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], gauge: Gauge, measured: bool
 ) -> tuple[float, str]:
     """Return the sign of x and y that makes the surface convex, and what decided.
 
     (-x, -y, z) under light turned likewise makes the same images and is as integrable. On an
-    outline normals lean outwards; without one the border of the mask is made to, as that of most
-    objects does.
+    outline normals lean outwards; where the border of the mask is none, it is made to lean so, as
+    that of most objects does.
     """
     if measured:
         return 1.0, "known normals"
-    outline = outline_of(mask, inset=1)
     n = directions_of(b)
-    if len(outline.pixels) >= FEWEST_OF_RIM:
-        lean = (n[outline.pixels, :2] * outline.outward).sum()
-        return (-1.0 if lean < 0 else 1.0), "outline"
-    rows, columns = np.nonzero(mask)
-    width = max(1, int(np.sqrt(mask.sum()) / 20))
-    rim = (mask & ~binary_erosion(mask, iterations=width))[mask]
-    x, y = columns - columns.mean(), rows.mean() - rows
-    lean = (n[:, 0] * x + n[:, 1] * y)[rim].sum()
-    return (-1.0 if lean < 0 else 1.0), "assumed"
+    if any(belief.accepted and belief.name == Rim.name for belief in gauge.beliefs):
+        outline = outline_of(mask)
+        lean, how = (n[outline.pixels, :2] * outline.outward).sum(), "outline"
+    else:
+        rows, columns = np.nonzero(mask)
+        width = max(1, int(np.sqrt(mask.sum()) / 20))
+        rim = (mask & ~binary_erosion(mask, iterations=width))[mask]
+        x, y = columns - columns.mean(), rows.mean() - rows
+        lean, how = (n[:, 0] * x + n[:, 1] * y)[rim].sum(), "assumed"
+    return (-1.0 if lean < 0 else 1.0), how
 
 
 def _name_of(found: Structure) -> str:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from harmface.stereo.stack import index_of
+
 
 @dataclass(frozen=True, eq=False)
 class Cells:
@@ -42,8 +44,7 @@ class Cells:
 
 def cells_of(mask: Bool[np.ndarray, "H W"]) -> Cells:
     """Return the cells of a mask."""
-    index = np.full(mask.shape, -1)
-    index[mask] = np.arange(mask.sum())
+    index = index_of(mask)
     corners = np.stack([index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]], axis=-1)
     corners = corners.reshape(-1, 4)
     return Cells(corners[(corners >= 0).all(axis=1)])

@@ -17,9 +17,9 @@ from jaxtyping import Float
 from scipy.ndimage import binary_erosion, maximum_filter
 
 from harmface.stereo.cues.cue import VOTES, Rows
-from harmface.stereo.cues.field import RIM_WIDTH, StructureField, index_of
+from harmface.stereo.cues.field import RIM_WIDTH, StructureField
 from harmface.stereo.homogeneous import directions_of
-from harmface.stereo.stack import picture
+from harmface.stereo.stack import index_of, picture
 
 WINDOW = 9
 """Side of the window, pixels, in which a maximum is the greatest value."""

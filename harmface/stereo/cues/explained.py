@@ -28,8 +28,9 @@ class Explained:
 
     v: Float[np.ndarray, "p 9"]
     name: str = "harmonic images"
-    # Share of a pixel's values that light beyond degree 2 may leave.
-    floor: float = 0.01
+    # Share of a pixel's values that light beyond degree 2 leaves, at most a third of the 9 % (root
+    # of 0.8 % of the energy) that a single point does: images mix a few of them.
+    floor: float = 0.03
     believable: float = np.inf
     votes: float = 3 * VOTES
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from scipy.ndimage import binary_erosion, gaussian_filter
 
 from harmface.stereo.cues.cells import cells_of
@@ -97,10 +97,3 @@ def smooth(
         for channel in values.T
     ]
     return np.stack(each, axis=1)
-
-
-def index_of(mask: Bool[np.ndarray, "H W"]) -> Int[np.ndarray, "H W"]:
-    """Return the number of each pixel among the masked ones, -1 outside."""
-    index = np.full(mask.shape, -1)
-    index[mask] = np.arange(mask.sum())
-    return index

@@ -12,10 +12,10 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import binary_erosion, gaussian_filter
 
 from harmface.stereo.cues.cue import VOTES, Rows
-from harmface.stereo.cues.field import RIM_WIDTH, SMOOTHING, StructureField, index_of
+from harmface.stereo.cues.field import RIM_WIDTH, SMOOTHING, StructureField
 from harmface.stereo.homogeneous import directions_of
 from harmface.stereo.robust import robust_scale
-from harmface.stereo.stack import picture
+from harmface.stereo.stack import index_of, picture
 
 BRIGHT = 8.0
 """Deviations of the noise by which the top of a highlight exceeds the diffuse prediction."""

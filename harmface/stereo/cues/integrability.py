@@ -63,6 +63,7 @@ class Integrability:
     size: Float[np.ndarray, "c"]
     back: Float[np.ndarray, "d d"]
     name: str = "integrability"
+    # In units of what is expected of noise and differences.
     floor: float = 0.1
     believable: float = np.inf
     # Two: every part of the picture is seen along x and along y.

@@ -29,7 +29,7 @@ class LightMetric:
 
     metric: Float[np.ndarray, "d d"]
     floor: float = 0.1
-    votes: float = 6 * VOTES
+    votes: float = VOTES
     name: str = "uniform light"
     believable: float = np.inf
 

@@ -13,8 +13,9 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_erosion, gaussian_filter
 
 from harmface.stereo.cues.cue import VOTES, Rows
-from harmface.stereo.cues.field import StructureField, index_of
+from harmface.stereo.cues.field import StructureField
 from harmface.stereo.homogeneous import directions_of
+from harmface.stereo.stack import index_of
 
 FEWEST = 16
 """Pixels below which an outline says nothing."""
@@ -42,20 +43,18 @@ class Outline:
     outward: Float[np.ndarray, "r 2"]
 
 
-def outline_of(mask: Bool[np.ndarray, "H W"], inset: int = 0) -> Outline:
-    """Return the rim of a mask where it does not touch the border of the picture.
+def outline_of(mask: Bool[np.ndarray, "H W"]) -> Outline:
+    """Return the pixels next to the rim of a mask, where it is not the border of the picture.
 
-    The outward direction is the slope of the blurred mask, so that it does not follow the steps
-    of the pixels.
+    They are one pixel inside, since the rim itself is blurred with what is behind it. The outward
+    direction is the slope of the blurred mask, so that it does not follow the steps of the pixels.
 
     Parameters
     ----------
     mask
         The object.
-    inset
-        Pixels inside the mask's own rim.
     """
-    shrunk = binary_erosion(mask, iterations=inset, border_value=1) if inset else mask
+    shrunk = binary_erosion(mask, border_value=1)
     rim = shrunk & ~binary_erosion(shrunk, border_value=1)
     blurred = gaussian_filter(mask.astype(np.float64), max(2.0, np.sqrt(mask.sum()) / 20))
     down, right = np.gradient(blurred)
@@ -88,7 +87,7 @@ class Rim:
     @classmethod
     def of(cls, seen: StructureField) -> "Rim | None":
         """Return the cue, or None if the object has no outline in the picture."""
-        outline = outline_of(seen.mask, inset=1)
+        outline = outline_of(seen.mask)
         lit = seen.lit[outline.pixels] > LIT
         if lit.sum() < FEWEST:
             return None

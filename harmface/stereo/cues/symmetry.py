@@ -10,8 +10,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from harmface.stereo.cues.cue import VOTES, Rows
-from harmface.stereo.cues.field import StructureField, index_of
+from harmface.stereo.cues.field import StructureField
 from harmface.stereo.homogeneous import directions_of
+from harmface.stereo.stack import index_of
 
 PAIRS = 600
 

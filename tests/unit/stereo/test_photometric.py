@@ -66,7 +66,7 @@ def test_directions_times_strengths_are_taken_as_they_are(ball, photographs, sin
     strengths = np.linspace(0.5, 2, 24)
     images = strengths[:, None, None] * photographs
     result = photometric_stereo(
-        images, ball.mask, method="known-lights", light=single_lights * strengths[:, None]
+        images, ball.mask, method="known-lights", light=single_lights, strengths=strengths
     )
     assert error(result, ball) < 1e-4
     assert result.report.cues == ()
@@ -107,8 +107,7 @@ def overexposed(photographs, ball):
 
 def test_saturated_observations_are_left_out(ball, overexposed, single_lights):
     images, saturated = overexposed
-    # Not of unit length, so that strengths are not found anew.
-    known = {"method": "known-lights", "light": 2 * single_lights}
+    known = {"method": "known-lights", "light": single_lights, "strengths": np.ones(24)}
     result = photometric_stereo(images, ball.mask, saturated=saturated, **known)
     seen = result.expected_error[ball.mask] < 90
     assert seen.mean() > 0.95
@@ -122,7 +121,11 @@ def test_pixels_that_too_few_lights_reach_are_guesses(ball, photographs, single_
     some = np.arange(0, 24, 6)
     images = photographs[some]
     result = photometric_stereo(
-        images, ball.mask, method="known-lights", light=2 * single_lights[some]
+        images,
+        ball.mask,
+        method="known-lights",
+        light=single_lights[some],
+        strengths=np.ones(len(single_lights[some])),
     )
     few = (images[:, ball.mask] > 0).sum(axis=0) < 3
     assert few.mean() > 0.01
@@ -188,7 +191,13 @@ def test_outliers_get_low_weights(ball, single_lights, rng):
     hit = (rng.random(images.shape) < 0.1) & (images > 0.1)
     images[hit] *= rng.uniform(2, 4, hit.sum())
     images = ball.pictures(np.abs(images + 0.003 * rng.standard_normal(images.shape)))
-    known = photometric_stereo(images, ball.mask, method="known-lights", light=2 * single_lights)
+    known = photometric_stereo(
+        images,
+        ball.mask,
+        method="known-lights",
+        light=single_lights,
+        strengths=np.ones(len(single_lights)),
+    )
     # A plain fit would be off by ten degrees and more.
     lit = images[:, ball.mask] > 0.02
     plain = np.stack(
@@ -294,10 +303,15 @@ def test_a_relief_has_no_outline(hills, single_lights):
 def test_gamma_is_noticed(hills, single_lights):
     images = hills.pictures(hills.images(single_lights, np.eye(24)))
     images = images / images.max()
-    known = {"method": "known-lights", "light": 2 * single_lights}
+    known = {"method": "known-lights", "light": single_lights, "strengths": np.ones(24)}
     for photographs, noticed in ((images, False), (linear_to_srgb(images), True)):
         result = photometric_stereo(photographs, **known)
         assert any("gamma" in warning for warning in result.report.warnings) == noticed
+
+
+def known(**given):
+    """Return arguments of known lights, some of them wrong."""
+    return {"method": "known-lights", "light": np.tile([0.0, 0.0, 1.0], (24, 1)), **given}
 
 
 @pytest.mark.usefixtures("unchecked")
@@ -332,6 +346,11 @@ def test_gamma_is_noticed(hills, single_lights):
         (lambda i, m: {"saturated": i[0] > 0}, "saturated must tell"),
         (lambda i, m: {"saturated": i >= 0}, "saturated must leave observations"),
         (lambda i, m: {"method": "known-lights", "light": np.eye(3)}, "each of the 24 images"),
+        (lambda i, m: {"method": "known-lights", "light": np.ones((24, 3))}, "unit vectors"),
+        (lambda i, m: {"strengths": np.ones(24)}, "strengths are those of the lamps in light"),
+        (lambda i, m: known(strengths=np.ones(3)), "one for each of the 24 lamps"),
+        (lambda i, m: known(strengths=-np.ones(24)), "strengths must not be negative"),
+        (lambda i, m: known(light=np.ones((24, 4)), strengths=np.ones(24)), "belong to directions"),
         (lambda i, m: {"method": "known-lights", "light": np.ones((24, 2))}, "light must be"),
         (lambda i, m: {"method": "known-lights", "light": np.ones((24, 5))}, "square"),
         (lambda i, m: {"method": "known-lights", "light": np.full((24, 3), np.nan)}, "finite"),
@@ -350,11 +369,18 @@ def test_nonsense_is_refused(ball, photographs, change, message):
 def test_known_light_takes_little_more_memory_than_the_stack(rng, monkeypatch):
     monkeypatch.setattr(factorization, "CHUNK", 2**17)
     lights = rng.standard_normal((100, 3)) * 0.2 + (0, 0, 1)
+    lights /= np.linalg.norm(lights, axis=1, keepdims=True)
     b = rng.uniform((-0.5, -0.5, 0.5), (0.5, 0.5, 1.5), (192, 192, 3))
     images = np.maximum(np.einsum("fi,hwi->fhw", lights, b), 0)
     done = []
     tracemalloc.start()
-    photometric_stereo(images, method="known-lights", light=lights, progress=done.append)
+    photometric_stereo(
+        images,
+        method="known-lights",
+        light=lights,
+        strengths=np.ones(100),
+        progress=done.append,
+    )
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     # The masked copy, which observations are usable, and some hundred numbers a pixel.
@@ -389,17 +415,15 @@ def test_blocks_are_means_and_spread_back(rng):
 @pytest.mark.parametrize("known", ["directions", "coefficients"])
 def test_normals_of_one_surface_have_less_noise(ball, single_lights, rng, known):
     if known == "coefficients":
-        light = rng.standard_normal((12, 9)) + 8 * np.eye(9)[0]
-        images = light @ harmonic_images(ball.normals, ball.albedo, 2)
+        light = {"light": rng.standard_normal((12, 9)) + 8 * np.eye(9)[0]}
+        images = light["light"] @ harmonic_images(ball.normals, ball.albedo, 2)
     else:
-        light = 2 * single_lights
+        light = {"light": single_lights, "strengths": np.ones(24)}
         images = ball.images(single_lights, np.eye(24))
     images = images + 0.02 * np.abs(images).max() * rng.standard_normal(images.shape)
     images = ball.pictures(np.maximum(images, 0))
     plain, smooth = (
-        photometric_stereo(
-            images, ball.mask, method="known-lights", light=light, smoothness=smoothness
-        )
+        photometric_stereo(images, ball.mask, method="known-lights", smoothness=smoothness, **light)
         for smoothness in (None, 1.0)
     )
     # Two of three numbers come from one; the rim, where a spline ends, gains little.

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from harmface.stereo.cues import structure_field
-from harmface.stereo.cues.field import CELLS, RIM_WIDTH, SMOOTHING, index_of, smooth
+from harmface.stereo.cues.field import CELLS, RIM_WIDTH, SMOOTHING, smooth
+from harmface.stereo.stack import index_of
 
 
 def test_a_mean_over_neighbours_keeps_what_is_constant_up_to_the_rim(egg):

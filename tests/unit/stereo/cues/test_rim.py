@@ -54,7 +54,7 @@ def test_no_outline_no_cue():
 
 def test_a_rim_in_the_dark_is_not_relied_on(sphere):
     seen = sphere.field()
-    outline = outline_of(sphere.mask, inset=1).pixels
+    outline = outline_of(sphere.mask).pixels
     lit = np.ones(len(seen.lit))
     lit[outline[FEWEST:]] = 0.5
     some = Rim.of(replace(seen, lit=lit))
@@ -73,14 +73,12 @@ def test_outward_directions_of_a_disc():
     assert np.degrees(np.arccos((outline.outward * radial).sum(axis=1).clip(-1, 1))).max() < 4
 
 
-def test_an_inset_moves_the_outline_inwards():
+def test_the_outline_is_a_pixel_inside():
     y, x = np.mgrid[30:-31:-1, -30:31]
     mask = np.hypot(x, y) < 25
-    radius = np.hypot(x, y)[mask]
-    assert radius[outline_of(mask).pixels].min() > 23
-    inset = radius[outline_of(mask, inset=3).pixels]
-    # Erosion takes a pixel a time along the axes, and 0.7 along the diagonals.
-    assert 20 < inset.min() <= inset.max() < 25 - 3 * 0.7
+    radius = np.hypot(x, y)[mask][outline_of(mask).pixels]
+    # Erosion takes a pixel along the axes, and 0.7 along the diagonals.
+    assert 25 - 3 < radius.min() <= radius.max() < 25 - 0.7
 
 
 def test_the_border_of_the_picture_is_no_outline():
