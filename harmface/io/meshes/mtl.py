@@ -1,10 +1,9 @@
 """Materials of OBJ files (MTL)."""
 
 import os
-import warnings
 from dataclasses import dataclass, field, replace
 
-from harmface.errors import FileError, FileWarning
+from harmface.errors import FileError
 from harmface.geometry import TextureImage
 from harmface.io.files import MAX_TEXT, excerpt, read_bytes
 from harmface.io.meshes.textures import Textures
@@ -63,8 +62,9 @@ def read_materials(library: str, textures: Textures) -> dict[bytes, Material]:
         except FileError:
             files = []
     if not files:
-        text = f"its material file {excerpt(library)} is not there; materials count as white"
-        warnings.warn(f"{textures.mesh.name}: {text}", FileWarning, stacklevel=5)
+        textures.note(
+            f"its material file {excerpt(library)} is not there; materials count as white"
+        )
     found: dict[bytes, Material] = {}
     for file in files:
         name = None

@@ -298,6 +298,16 @@ def test_what_is_left_out_is_said(tmp_path):
         read_mesh(path)
 
 
+def test_a_texture_without_coordinates_is_said(tmp_path):
+    glb = pictured(np.full((2, 2, 3), 9, np.uint8), texture={"texCoord": 1})
+    attributes = {"POSITION": glb.add(TRIANGLE), "TEXCOORD_0": glb.add(TRIANGLE[:, :2])}
+    path = glb.write(tmp_path / "a.glb", {"attributes": attributes, "material": 0})
+    with pytest.warns(FileWarning) as notes:
+        mesh = read_mesh(path)
+    assert (mesh.albedo == 1).all()
+    assert any("left out where faces have no" in str(note.message) for note in notes)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -140,7 +140,7 @@ def test_a_colour_beside_a_texture_is_left_out_and_said(tmp_path):
 def test_a_texture_without_coordinates_is_said(tmp_path):
     written(tmp_path / "a.mtl", "newmtl a\nKd .2 .2 .2\nmap_Kd skin.png\n")
     path = written(tmp_path / "a.obj", "mtllib a.mtl\nusemtl a\n" + TRIANGLE + "f 1 2 3\n")
-    with pytest.warns(FileWarning, match="no texture coordinates"):
+    with pytest.warns(FileWarning, match="a.obj: textures are left out.*: skin.png"):
         mesh = read_mesh(path)
     assert np.allclose(mesh.albedo, 0.2)
 
@@ -246,3 +246,15 @@ def test_a_concave_face_of_very_many_corners_is_refused(tmp_path):
     path = written(tmp_path / "a.obj", lines + f"f {' '.join(map(str, range(1, 20_001)))}\n")
     with pytest.raises(FileError, match="20000 corners"):
         read_mesh(path)
+
+
+def test_faces_without_coordinates_leave_the_texture_to_the_others(tmp_path):
+    Image.fromarray(np.full((4, 4), 51, np.uint8)).save(tmp_path / "skin.png")
+    written(tmp_path / "a.mtl", "newmtl a\nKd .5 .5 .5\nmap_Kd skin.png\n")
+    text = "mtllib a.mtl\nusemtl a\n" + TRIANGLE + "vt 0 0\nf 1/1 2/1 3/1\nv 0 0 5\nf 1 2 4\n"
+    with pytest.warns(FileWarning) as notes:
+        mesh = read_mesh(written(tmp_path / "a.obj", text), texture_linear=True)
+    assert any("textures are left out" in str(note.message) for note in notes)
+    of_face = mesh.albedo[mesh.faces][:, 0, 0]
+    assert sorted(of_face) == pytest.approx([0.2, 0.5])
+    assert (mesh.texture.image >= 0).sum() == 1

@@ -160,3 +160,11 @@ def test_broken_files_are_refused(tmp_path, data, message):
     (tmp_path / "a.ply").write_bytes(data)
     with pytest.raises(FileError, match=message):
         read_mesh(tmp_path / "a.ply")
+
+
+def test_a_texture_without_coordinates_is_said(tmp_path):
+    path = ply(
+        tmp_path / "a.ply", "", XYZ, POINTS, [[0, 1, 2]], comment="comment TextureFile s.png\n"
+    )
+    with pytest.warns(FileWarning, match=r"a\.ply: textures are left out .*: s\.png$"):
+        assert (read_mesh(path).albedo == 1).all()
