@@ -82,8 +82,9 @@ def main(arguments: list[str] | None = None) -> None:
     except OSError as error:
         name = "" if error.filename is None else f"{os.fsdecode(error.filename)}: "
         _stop(2, f"{name}{error.strerror or error}", debug)
-    except MemoryError:
-        _stop(3, "not enough memory; give smaller input", debug)
+    except MemoryError as error:
+        reason = f" ({str(error)[:200]})" if str(error) else ""
+        _stop(2, f"not enough memory{reason}; give smaller input", debug)
     except (KeyboardInterrupt, typer.Abort):
         _stop(130, "stopped")
     except Exception as error:

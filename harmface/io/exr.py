@@ -46,8 +46,8 @@ def read_exr(
     Raises
     ------
     FileError
-        If the file is missing, broken, larger than `max_pixels`, deep, has other channels or too
-        many, or no such part.
+        If the file is missing, broken, larger than `max_pixels`, deep, has other channels, too
+        many, or some of fewer pixels (subsampled chroma), or no such part.
 
     Warns
     -----
@@ -89,9 +89,7 @@ def write_exr(path: Path | str, image: Float[np.ndarray, "H W *channels"]) -> No
     """
     import OpenImageIO
 
-    image = checks.finite("image", image)
-    if image.ndim not in (2, 3) or image.shape[2:] not in ((), (3,)) or image.size == 0:
-        raise ArgumentError(f"image must have shape (H, W) or (H, W, 3), got {image.shape}")
+    image = checks.picture("image", image)
     codes = np.ascontiguousarray(np.atleast_3d(image), dtype=np.float32)
     rows, columns, channels = codes.shape
     spec = OpenImageIO.ImageSpec(columns, rows, channels, "float")

@@ -18,7 +18,8 @@ MAX_TEXT = 2**24
 MAX_ECHO = 200
 """Most characters of a file that a message repeats."""
 
-# What parsers raise when bytes are not what their format says.
+# What parsers raise when bytes are not what their format says. A lack of memory is none of it:
+# sizes are checked before memory is taken.
 PARSE_ERRORS = (
     ArithmeticError,
     AssertionError,
@@ -26,7 +27,6 @@ PARSE_ERRORS = (
     BufferError,
     EOFError,
     LookupError,
-    MemoryError,
     NameError,
     OSError,
     RuntimeError,

@@ -114,7 +114,11 @@ def npy_header(file: Any) -> tuple[tuple[int, ...], bool, np.dtype]:
     if b"\\" in file.read(min(length, _LONGEST_HEADER)):
         raise ValueError("its header has a backslash")  # of which Python would warn
     file.seek(place)
-    shape, fortran, dtype = _NPY_HEADERS[major](file)
+    try:
+        shape, fortran, dtype = _NPY_HEADERS[major](file)
+    except MemoryError:
+        # Python's parser says so of what is nested deeply, whatever memory there is.
+        raise ValueError("its header is nested deeply") from None
     if min(shape, default=0) < 0:
         raise ValueError(f"its shape is {shape}")
     return shape, fortran, dtype

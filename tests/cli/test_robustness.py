@@ -52,12 +52,14 @@ def test_debug_shows_where(run, sky, broken):
 
 def test_a_lack_of_memory_is_said(run, sky, monkeypatch):
     def fail(*arguments):
-        raise MemoryError
+        raise MemoryError("Unable to allocate 9 TiB" + 1000 * "y")
 
     monkeypatch.setattr(harmface.light, "project", fail)
     outcome = run("envmap", "project", sky)
-    assert outcome.code == 3
-    assert "not enough memory" in outcome.err
+    assert outcome.code == 2
+    assert "not enough memory (Unable to allocate 9 TiByy" in outcome.err
+    assert "give smaller input" in outcome.err
+    assert len(outcome.err) < 300
     assert outcome.err.count("\n") == 1
 
 

@@ -1,5 +1,6 @@
 import contextlib
 import os
+import struct
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -153,6 +154,36 @@ def test_luminance_and_chroma_become_red_green_blue(tmp_path):
     channels = {"Y": ONES * y, "RY": ONES * (red - y) / y, "BY": ONES * (blue - y) / y}
     found = read_exr(save(tmp_path / "a.exr", ({}, channels)))
     np.testing.assert_allclose(found, np.tile([red, green, blue], (4, 8, 1)), rtol=1e-3)
+
+
+def attribute(name, kind, data):
+    return name + b"\0" + kind + b"\0" + struct.pack("<I", len(data)) + data
+
+
+def test_chroma_of_fewer_pixels_is_refused_by_name(tmp_path):
+    """Uncompressed: each row's number, length, and its channels; chroma in every other row."""
+    sides = {b"BY": 2, b"RY": 2, b"Y": 1}
+    channels = b"".join(
+        name + b"\0" + struct.pack("<iiii", 2, 0, side, side) for name, side in sides.items()
+    )
+    window = struct.pack("<4i", 0, 0, 7, 3)
+    head = struct.pack("<II", 20000630, 2) + attribute(b"channels", b"chlist", channels + b"\0")
+    head += attribute(b"compression", b"compression", b"\0")
+    head += attribute(b"dataWindow", b"box2i", window) + attribute(
+        b"displayWindow", b"box2i", window
+    )
+    head += attribute(b"lineOrder", b"lineOrder", b"\0")
+    head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    head += attribute(b"screenWindowCenter", b"v2f", bytes(8))
+    head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
+    rows = [struct.pack("<ii", y, 4 * n) + bytes(4 * n) for y, n in enumerate((16, 8, 16, 8))]
+    starts = len(head) + 32 + np.cumsum([0, *map(len, rows[:-1])])
+    path = tmp_path / "a.exr"
+    path.write_bytes(head + starts.astype("<u8").tobytes() + b"".join(rows))
+    with OpenEXR.File(str(path)) as file:
+        assert file.channels()["RY"].pixels.shape == (2, 4)  # it is a sound file
+    with pytest.raises(FileError, match=r'Subsampled channels .*"BY" has sampling 2,2.*convert it'):
+        read_exr(path)
 
 
 def test_other_chromaticities_are_converted(tmp_path):

@@ -1,5 +1,6 @@
 import os
 import struct
+import tracemalloc
 import warnings
 import zlib
 from concurrent.futures import ThreadPoolExecutor
@@ -309,6 +310,23 @@ def test_channels_are_red_green_blue(tmp_path):
     assert np.abs(read_image(tmp_path / "a.jpg") - codes / 255).max() < 0.02
 
 
+def test_other_channels_are_refused_before_they_are_decoded(tmp_path):
+    """A thousand channels of 500 x 500 pixels take 250 MB, and pack to some hundred kB."""
+    import OpenImageIO
+
+    spec = OpenImageIO.ImageSpec(500, 500, 1000, "uint8")
+    spec.attribute("compression", "zip")
+    target = OpenImageIO.ImageOutput.create("a.tif")
+    assert target.open(str(tmp_path / "a.tif"), spec)
+    assert target.write_image(np.zeros((500, 500, 1000), np.uint8))
+    target.close()
+    tracemalloc.start()
+    with pytest.raises(FileError, match=r"has the channels R, G, B, A, channel4.*grey or RGB"):
+        read_image(tmp_path / "a.tif")
+    assert tracemalloc.get_traced_memory()[1] < 2**24
+    tracemalloc.stop()
+
+
 def test_an_opaque_alpha_channel_is_dropped_and_another_refused(tmp_path):
     codes = np.full((2, 2, 4), 255, np.uint8)
     Image.fromarray(codes).save(tmp_path / "a.png")
@@ -368,9 +386,16 @@ def test_broken_bytes_raise_file_errors_only(tmp_path, rng, suffix, capfd):
         ("a.png", np.full((2, 2), np.nan), 8, ArgumentError),
         ("a.png", np.ones((2, 2, 2)), 8, ArgumentError),
         ("a.png", np.ones((2, 2)), 12, ArgumentError),
+        ("a.png", np.ones((0, 2)), 8, ArgumentError),
+        ("a.png", np.ones((2, 0, 3)), 8, ArgumentError),
+        ("a.png", np.ones(2), 8, ArgumentError),
+        ("a.png", np.ones((2, 2)) * 1j, 8, ArgumentError),
+        ("a.png", np.full((2, 2), 200, np.uint8), 8, ArgumentError),
+        ("a.png", np.ones((2, 2), bool), 8, ArgumentError),
+        ("a.png", np.ones((1, 1_000_001)), 8, ArgumentError),
     ],
 )
-def test_nonsense_is_not_written(tmp_path, name, image, bits, error):
+def test_nonsense_is_not_written(unchecked, tmp_path, name, image, bits, error):
     with pytest.raises(error):
         write_image(tmp_path / name, image, bits=bits)
     assert not list(tmp_path.iterdir())
