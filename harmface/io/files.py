@@ -113,6 +113,21 @@ def excerpt(said: object) -> str:
     return line if len(line) <= MAX_ECHO else f"{line[:MAX_ECHO]}..."
 
 
+def is_number(word: str) -> bool:
+    """Return whether this is a real number as Python writes it.
+
+    Examples
+    --------
+    >>> is_number("1e-3"), is_number("1,5")
+    (True, False)
+    """
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
 def is_file_name(name: object) -> bool:
     """Return whether this can be the name of a file, without a folder, on any system.
 

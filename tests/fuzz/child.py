@@ -25,7 +25,6 @@ import numpy as np
 import OpenImageIO  # noqa: F401
 import trimesh  # noqa: F401
 
-import harmface.io  # noqa: F401
 from fuzz.odd import FIFO
 from fuzz.pitfalls import PITFALLS
 from fuzz.readers import READERS, damaged
