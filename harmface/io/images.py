@@ -44,7 +44,7 @@ def read_image(
     Warns
     -----
     FileWarning
-        If a JPEG file holds CMYK, or is damaged but could be decoded.
+        If a JPEG or TIFF file holds CMYK, or a JPEG file is damaged but could be decoded.
     """
     picture = read_picture(path, max_pixels)
     for note in picture.notes:

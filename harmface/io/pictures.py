@@ -216,8 +216,16 @@ def oriented(image: np.ndarray, orientation: int) -> np.ndarray:
     return image.swapaxes(0, 1) if orientation in (5, 6, 7, 8) else image
 
 
+def _space(spec: Any) -> str:
+    """Return what the channels of a JPEG or TIFF file mean, where it is not grey or RGB."""
+    return str(spec.getattribute("jpeg:ColorSpace") or spec.getattribute("tiff:ColorSpace") or "")
+
+
 def _check_channels(path: Path, spec: Any) -> None:
     """Refuse what is neither grey nor RGB, with or without opacity, before it is decoded."""
+    if _space(spec).endswith("LAB"):
+        # It would be decoded, but with another white.
+        raise FileError(f"{path}: holds the colours {_space(spec)}; save it as grey or RGB")
     if spec.nchannels - (spec.alpha_channel >= 0) not in (1, 3):
         raise FileError(
             f"{path}: has the channels {excerpt(', '.join(spec.channelnames))}; save it as grey "
@@ -248,7 +256,7 @@ def _notes(path: Path, source: Any, spec: Any) -> tuple[str, ...]:
         raise _unreadable(path, "it is cut off")
     if said:
         notes.append(f"{path.name}: is damaged but was read as far as it goes ({said})")
-    if spec.getattribute("jpeg:ColorSpace") in ("CMYK", "YCCK"):
+    if _space(spec) in ("CMYK", "YCCK"):
         notes.append(f"{path.name}: holds CMYK, turned to RGB without a colour profile")
     return tuple(notes)
 

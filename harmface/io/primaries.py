@@ -1,9 +1,12 @@
 """Pictures in the colours of other primaries, brought to those of Rec. 709 and sRGB."""
 
+import warnings
+from pathlib import Path
+
 import numpy as np
 from jaxtyping import Float
 
-from harmface.errors import ArgumentError
+from harmface.errors import ArgumentError, FileWarning
 
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 """Chromaticities x, y of red, green, blue and white (ITU-R BT.709)."""
@@ -59,6 +62,44 @@ def to_rec709(chromaticities: tuple[float, ...]) -> Float[np.ndarray, "3 3"] | N
         raise ArgumentError(f"chromaticities must be those of some colours, got {given.tolist()}")
     match = np.linalg.inv(_CONES) @ np.diag(whites[:, 1] / whites[:, 0]) @ _CONES
     return np.asarray(target @ match @ source)
+
+
+def in_rec709(
+    path: Path | str, image: Float[np.ndarray, "H W 3"], matrix: Float[np.ndarray, "3 3"]
+) -> Float[np.ndarray, "H W 3"]:
+    """Return a file's picture in Rec. 709, without what makes a channel of light negative.
+
+    Colours more saturated than the primaries of Rec. 709 are negative in one of them. A light is
+    not: there the channel is set to 0, and that it was is said. Where the file itself holds
+    negative values they are kept.
+
+    Parameters
+    ----------
+    path
+        Named in the warning.
+    image
+        As the file has it.
+    matrix
+        Of `to_rec709`.
+
+    Warns
+    -----
+    FileWarning
+        If there are such colours.
+    """
+    found = image @ matrix.T.astype(np.float32)
+    light = image.min(axis=-1) >= 0
+    rounding = 8 * np.finfo(np.float32).eps * found.max(axis=-1)
+    share = (light & (found.min(axis=-1) < -rounding)).mean()
+    found[(found < 0) & light[..., None]] = 0
+    if share:
+        warnings.warn(
+            f"{path}: {share:.2%} of its pixels have colours beyond Rec. 709, negative in a "
+            "channel, which is set to 0",
+            FileWarning,
+            stacklevel=3,
+        )
+    return found
 
 
 def luminance_weights(chromaticities: tuple[float, ...]) -> Float[np.ndarray, "3"]:

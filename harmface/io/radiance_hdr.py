@@ -14,6 +14,7 @@ from harmface.errors import ArgumentError, FileError
 from harmface.io.atomic import atomic_write
 from harmface.io.files import read_bytes
 from harmface.io.pictures import MAX_PIXELS, check_size
+from harmface.io.primaries import in_rec709
 from harmface.io.radiance_codes import decode_scanlines
 from harmface.io.radiance_header import read_header
 
@@ -43,6 +44,11 @@ def read_radiance_hdr(
     ------
     FileError
         If the file is missing, is no such picture, is cut off, or larger than `max_pixels`.
+
+    Warns
+    -----
+    FileWarning
+        If it holds colours beyond Rec. 709.
     """
     data = read_bytes(path)
     header = read_header(path, data)
@@ -67,7 +73,7 @@ def read_radiance_hdr(
             np.multiply(some[..., channel], factors, out=image[first : first + step, :, channel])
     if (header.exposure != 1).any():
         image /= header.exposure.astype(np.float32)
-    return image if header.matrix is None else image @ header.matrix.T.astype(np.float32)
+    return image if header.matrix is None else in_rec709(path, image, header.matrix)
 
 
 def write_radiance_hdr(path: Path | str, image: Float[np.ndarray, "H W *channels"]) -> None:

@@ -195,9 +195,18 @@ def test_other_chromaticities_are_converted(tmp_path):
     aces = {"chromaticities": (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767)}
     found = read_exr(save(tmp_path / "aces.exr", (aces, {"R": ONES, "G": ONES, "B": ONES})))
     np.testing.assert_allclose(found, np.ones((4, 8, 3)), atol=1e-5)
-    found = read_exr(save(tmp_path / "red.exr", (aces, {"R": ONES, "G": 0 * ONES, "B": 0 * ONES})))
     # From the matrix that the Academy gives for AP0 to Rec. 709, adapted by Bradford.
-    np.testing.assert_allclose(found[0, 0], [2.5217, -0.2762, -0.0153], atol=0.02)
+    red = np.array([2.5217, -0.2762, -0.0153])
+    half = {"R": ONES, "G": ONES / 2, "B": ONES / 2}
+    found = read_exr(save(tmp_path / "reddish.exr", (aces, half)))
+    np.testing.assert_allclose(2 * found[0, 0] - 1, red, atol=0.02)
+    path = save(tmp_path / "red.exr", (aces, {"R": ONES, "G": 0 * ONES, "B": 0 * ONES}))
+    with pytest.warns(FileWarning, match=r"100\.00% of its pixels have colours beyond Rec\. 709"):
+        found = read_environment_map(path).as_image()
+    np.testing.assert_allclose(found[0, 0], np.maximum(red, 0), atol=0.02)
+    below = {name: -value for name, value in half.items()}
+    found = read_exr(save(tmp_path / "below.exr", (aces, below)))
+    np.testing.assert_allclose(-2 * found[0, 0] - 1, red, atol=0.02)
     same = {"chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)}
     path = save(tmp_path / "same.exr", (same, {"R": ONES, "G": 0 * ONES, "B": ONES}))
     np.testing.assert_array_equal(read_exr(path)[0, 0], [1, 0, 1])

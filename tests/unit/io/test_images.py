@@ -257,6 +257,17 @@ def test_oddities_of_jpeg_files_are_told(tmp_path, rng):
         read_image(path)
 
 
+def test_other_colours_in_tiff_files_are_told_or_refused(tmp_path):
+    grey = Image.fromarray(np.full((4, 4, 3), 128, np.uint8))
+    grey.convert("CMYK").save(tmp_path / "a.tif")
+    with pytest.warns(FileWarning, match=r"a\.tif: holds CMYK, turned to RGB"):
+        found = read_image(tmp_path / "a.tif")
+    np.testing.assert_allclose(found, 128 / 255, atol=0.01)
+    grey.convert("LAB").save(tmp_path / "a.tif")
+    with pytest.raises(FileError, match=r"a\.tif: holds the colours CIELAB; save it as"):
+        read_image(tmp_path / "a.tif")
+
+
 def test_hundreds_of_scans_are_refused(tmp_path, rng):
     path = tmp_path / "a.jpg"
     picture = Image.fromarray(rng.integers(0, 256, (16, 16), dtype=np.uint8))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harmface.errors import FileError
+from harmface.errors import FileError, FileWarning
 from harmface.io.radiance_hdr import read_radiance_hdr
 
 RGBE = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"
@@ -115,10 +115,13 @@ def test_xyz_is_expressed_in_rec_709(tmp_path):
 def test_other_primaries_keep_white_and_are_converted(tmp_path):
     """The red of Rec. 2020 is 1.6605 of the red of Rec. 709 (ITU-R BT.2087, D65 both)."""
     rec2020 = "PRIMARIES=0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.3290\n"
-    red = bytes([128, 0, 0, 129])
-    found = read(tmp_path, f"{RGBE}{rec2020}\n-Y 1 +X 2\n", red + ONE)
-    np.testing.assert_allclose(found[0, 0], [1.6605, -0.1246, -0.0182], atol=1e-4)
+    reddish = bytes([128, 64, 64, 129])  # half of white, half of red
+    found = read(tmp_path, f"{RGBE}{rec2020}\n-Y 1 +X 2\n", reddish + ONE)
+    np.testing.assert_allclose(2 * found[0, 0] - 1, [1.6605, -0.1246, -0.0182], atol=1e-4)
     np.testing.assert_allclose(found[0, 1], [1, 1, 1], atol=1e-6)
+    with pytest.warns(FileWarning, match=r"50\.00% of its pixels have colours beyond Rec\. 709"):
+        found = read(tmp_path, f"{RGBE}{rec2020}\n-Y 1 +X 2\n", bytes([128, 0, 0, 129]) + ONE)
+    np.testing.assert_allclose(found[0], [[1.6605, 0, 0], [1, 1, 1]], atol=1e-4)
     equal_energy = "PRIMARIES=.64 .33 .29 .6 .15 .06 .3333 .3333\n"
     found = read(tmp_path, f"{RGBE}{equal_energy}\n-Y 1 +X 2\n", ONE * 2)
     np.testing.assert_allclose(found, np.ones((1, 2, 3)), atol=1e-5)
