@@ -1,6 +1,7 @@
 """The command line: parse, call, print.
 
-Exit codes: 0 done, 1 a claim or check failed, 2 bad input, 3 a defect of the package.
+Exit codes: 0 done, 1 a claim or check failed, 2 bad input, or too large for the memory there is,
+3 a defect of the package.
 """
 
 import os

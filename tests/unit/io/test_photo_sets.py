@@ -105,7 +105,7 @@ def test_photographs_are_stretched_only_with_a_word_and_all_alike(tmp_path):
     assert len(kept) == 2 and len(skipped) == 1
 
 
-def test_a_list_names_photographs_with_or_without_their_folders(tmp_path):
+def test_a_list_names_photographs_with_or_without_their_folders(tmp_path, monkeypatch):
     for person in ("yaleB01", "yaleB02"):
         for light in ("A+000E+00", "A+035E+40"):
             photograph(tmp_path / "set" / person / f"{person}_P00{light}.pgm")
@@ -121,6 +121,10 @@ def test_a_list_names_photographs_with_or_without_their_folders(tmp_path):
     ):
         listed.write_text(f"\ufeff{first}\r\nyaleB02/yaleB02_P00A+000E+00.pgm\r\n")
         np.testing.assert_array_equal(choose_gallery(found, str(listed)), wanted)
+    monkeypatch.chdir(tmp_path)
+    listed.write_text(f"{found[0].path}\n{found[2].path}\n")
+    relative = find_photographs("set")
+    np.testing.assert_array_equal(choose_gallery(relative, str(listed)), wanted)
     listed.write_text("yaleB02/yaleB01_P00A+000E+00.pgm\n")
     with pytest.raises(FileError, match="not among the photographs"):
         choose_gallery(found, str(listed))
