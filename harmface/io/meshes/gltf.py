@@ -91,9 +91,11 @@ def _placed(tree: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Float[np.nda
     if items(tree, "scenes"):
         roots = items(item(tree, "scenes", tree.get("scene", 0)), "nodes")
     else:
-        nodes = items(tree, "nodes")
-        below = {child for node in nodes for child in items(node, "children")}
-        roots = [index for index in range(len(nodes)) if index not in below]
+        indices = range(len(items(tree, "nodes")))
+        below = {
+            child for index in indices for child in items(item(tree, "nodes", index), "children")
+        }
+        roots = [index for index in indices if index not in below]
     waiting = [(index, np.eye(4)) for index in reversed(roots)]
     seen: set[int] = set()
     while waiting:
@@ -117,8 +119,6 @@ def _matrix(node: dict[str, Any]) -> Float[np.ndarray, "4 4"]:
         matrix = np.eye(4)
         matrix[:3, :3] = turn.as_matrix() * scale.reshape(3)
         matrix[:3, 3] = np.array(node.get("translation", [0, 0, 0]), dtype=np.float64)
-    if not np.isfinite(matrix).all():
-        raise FileError("is a broken glTF file: a node's place is not finite")
     return matrix
 
 

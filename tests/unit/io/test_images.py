@@ -268,6 +268,34 @@ def test_other_colours_in_tiff_files_are_told_or_refused(tmp_path):
         read_image(tmp_path / "a.tif")
 
 
+@pytest.mark.parametrize(
+    ("kind", "sample", "value"),
+    [
+        ("u4", 1, 0.75 * 2**32),
+        ("u2", 1, 0.75 * 2**16),
+        ("f4", 3, 0.75),
+        ("f2", 3, 0.75),
+        ("i2", 2, 1),
+        ("i1", 2, 1),
+    ],
+)
+def test_tiff_files_hold_numbers_of_many_kinds(tmp_path, kind, sample, value):
+    """TIFF 6.0: SampleFormat 1 means numbers without sign, 2 with one, 3 floating point."""
+    data = np.full((2, 3), value, f"<{kind}").tobytes()
+    tags = {256: 3, 257: 2, 258: 8 * int(kind[1]), 259: 1, 262: 1, 273: 8, 277: 1, 278: 2}
+    tags |= {279: len(data), 339: sample}
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, number) for tag, number in tags.items())
+    head = b"II*\0" + struct.pack("<I", 8 + len(data))
+    (tmp_path / "a.tif").write_bytes(
+        head + data + struct.pack("<H", len(tags)) + entries + bytes(4)
+    )
+    if sample == 2:
+        with pytest.raises(FileError, match="holds signed integers"):
+            read_image(tmp_path / "a.tif")
+    else:
+        np.testing.assert_allclose(read_image(tmp_path / "a.tif"), 0.75, atol=2e-5)
+
+
 def test_hundreds_of_scans_are_refused(tmp_path, rng):
     path = tmp_path / "a.jpg"
     picture = Image.fromarray(rng.integers(0, 256, (16, 16), dtype=np.uint8))
