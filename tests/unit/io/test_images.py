@@ -333,6 +333,19 @@ def test_reading_changes_nothing_that_other_threads_see(tmp_path, monkeypatch, r
     assert all(np.array_equal(image, codes / 255) for image in found)
 
 
+def test_pictures_of_other_formats_are_refused(tmp_path):
+    from harmface.io.exr import write_exr
+
+    write_exr(tmp_path / "a.exr", np.ones((2, 4), np.float32))
+    Image.fromarray(np.ones((2, 4), np.uint8)).save(tmp_path / "a.gif")
+    (tmp_path / "a.pam").write_bytes(
+        b"P7\nWIDTH 1\nHEIGHT 1\nDEPTH 1\nMAXVAL 255\nTUPLTYPE GRAYSCALE\nENDHDR\n\1"
+    )
+    for name in ("a.exr", "a.gif", "a.pam"):
+        with pytest.raises(FileError, match="its bytes are not PNG, TIFF, JPEG"):
+            read_image(tmp_path / name)
+
+
 def test_several_pages_are_refused(tmp_path):
     pages = [Image.fromarray(np.full((2, 2), value, np.uint8)) for value in (1, 2)]
     pages[0].save(tmp_path / "a.tiff", save_all=True, append_images=pages[1:])
