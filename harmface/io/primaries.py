@@ -111,12 +111,11 @@ def _to_xyz(chromaticities: Float[np.ndarray, "8"]) -> Float[np.ndarray, "3 3"]:
     """Return the matrix from linear values to XYZ, white having Y = 1."""
     x, y = chromaticities.reshape(4, 2).T
     columns = np.stack([x, y, 1 - x - y])
-    try:
-        if not (np.isfinite(columns).all() and y[3] > 0):
-            raise np.linalg.LinAlgError
-        strengths = np.linalg.solve(columns[:, :3], columns[:, 3] / y[3])
-    except np.linalg.LinAlgError:
+    # The determinant is twice the area of the primaries' triangle: of three in a line, which are
+    # rounded, it is small.
+    if not (np.isfinite(columns).all() and abs(np.linalg.det(columns[:, :3])) > SAME and y[3] > 0):
         raise ArgumentError(
             f"chromaticities must be those of three colours, got {chromaticities.tolist()}"
-        ) from None
+        )
+    strengths = np.linalg.solve(columns[:, :3], columns[:, 3] / y[3])
     return np.asarray(columns[:, :3] * strengths)

@@ -139,6 +139,7 @@ def test_the_data_window_is_put_where_it_is_in_the_display_window(tmp_path, data
 def test_windows_that_do_not_meet_or_are_huge_are_refused(tmp_path):
     for data, display, said in (
         (window(20, 0, 8, 4), window(0, 0, 16, 8), "outside of its display"),
+        (window(0, 9, 8, 4), window(0, 0, 16, 8), "outside of its display"),
         (window(0, 0, 8, 4), window(0, 0, 16000, 8000), "more pixels than"),
     ):
         header = {"dataWindow": data, "displayWindow": display}
@@ -210,6 +211,22 @@ def test_other_chromaticities_are_converted(tmp_path):
     same = {"chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)}
     path = save(tmp_path / "same.exr", (same, {"R": ONES, "G": 0 * ONES, "B": ONES}))
     np.testing.assert_array_equal(read_exr(path)[0, 0], [1, 0, 1])
+
+
+@pytest.mark.parametrize(
+    "chromaticities",
+    [
+        (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.9, 0.01),
+        (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3, 0.0),
+        (0.64, 0.33, 0.64, 0.33, 0.15, 0.06, 0.3, 0.3),
+        (np.nan, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3, 0.3),
+    ],
+)
+def test_chromaticities_of_no_colours_are_refused(tmp_path, chromaticities):
+    channels = {"R": ONES, "G": ONES, "B": ONES}
+    path = save(tmp_path / "a.exr", ({"chromaticities": chromaticities}, channels))
+    with pytest.raises(FileError, match="chromaticities must be those of"):
+        read_exr(path)
 
 
 def test_parts_layers_and_views_are_chosen(tmp_path):
