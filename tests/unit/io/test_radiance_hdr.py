@@ -134,6 +134,7 @@ def test_other_primaries_keep_white_and_are_converted(tmp_path):
         ("-Y 2 +X 4", ONE + bytes([1, 1, 1, 255]) * 4, "2 \\* 4|8 are promised"),
         ("-Y 2 +X 4", ONE + bytes([1, 1, 1, 1]) * 5, "more than four bytes"),
         ("-Y 2 +X 4", ONE + bytes([1, 1, 1, 6]), "8 are promised"),
+        ("-Y 2 +X 4", ONE * 8 + bytes([1, 1, 1, 0]) + ONE, "8 are promised"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "no length"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 137, 0, 136, 0, 136, 0, 136, 0]), "longer than"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 136, 0, 136, 0, 136, 0, 8, 0, 0, 0]), "cut off"),
