@@ -135,6 +135,8 @@ def test_other_primaries_keep_white_and_are_converted(tmp_path):
         ("-Y 2 +X 4", ONE + bytes([1, 1, 1, 1]) * 5, "more than four bytes"),
         ("-Y 2 +X 4", ONE + bytes([1, 1, 1, 6]), "8 are promised"),
         ("-Y 2 +X 4", ONE * 8 + bytes([1, 1, 1, 0]) + ONE, "8 are promised"),
+        ("-Y 2 +X 8", bytes([2, 2, 0, 8, *4 * [136, 1], 2, 2, 0, 9]), "another length"),
+        ("-Y 2 +X 8", bytes([2, 2, 0, 8, *4 * [136, 1], 2, 2]), "cut off"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "no length"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 137, 0, 136, 0, 136, 0, 136, 0]), "longer than"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 136, 0, 136, 0, 136, 0, 8, 0, 0, 0]), "cut off"),
@@ -143,6 +145,26 @@ def test_other_primaries_keep_white_and_are_converted(tmp_path):
 def test_runs_that_do_not_fit_are_refused(tmp_path, size, pixels, said):
     with pytest.raises(FileError, match=said):
         read(tmp_path, f"{RGBE}\n{size}\n", pixels)
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("EXPOSURE=1e200\nEXPOSURE=1e200\n", r"EXPOSURE and COLORCORR multiply to \[inf"),
+        ("EXPOSURE=1e-200\nEXPOSURE=1e-200\n", r"EXPOSURE and COLORCORR multiply to \[0\.0"),
+        ("EXPOSURE=-1\n", "EXPOSURE is not a positive number, but '-1'"),
+        ("EXPOSURE=1 2\n", "EXPOSURE is not a positive number"),
+        ("COLORCORR=1 2\n", "COLORCORR is not 3 positive numbers"),
+        ("COLORCORR=1 x 2\n", "COLORCORR is not 3 positive numbers"),
+        ("PRIMARIES=\n", "PRIMARIES are not eight numbers"),
+        ("PRIMARIES=.64 .33 x .6 .15 .06 .3 .3\n", "PRIMARIES are not eight numbers"),
+        ("PRIMARIES=.64 .33 .64 .33 .15 .06 .3 .3\n", "PRIMARIES are of no use"),
+        ("FORMAT=32-bit_rle_xyze\n", "holds 32-bit_rle_rgbe, 32-bit_rle_xyze"),
+    ],
+)
+def test_variables_that_make_no_sense_are_refused(tmp_path, lines, said):
+    with pytest.raises(FileError, match=said):
+        read(tmp_path, f"{RGBE}{lines}\n-Y 2 +X 4\n", ONE * 8)
 
 
 def test_a_larger_picture_is_read_if_asked_for(tmp_path):
