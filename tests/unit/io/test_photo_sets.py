@@ -57,6 +57,14 @@ def test_links_to_folders_are_followed_and_never_in_a_circle(tmp_path):
     assert [photograph.subject for photograph in found] == ["anna", "bert"]
 
 
+@pytest.mark.parametrize("sessions", [False, True])
+def test_two_folders_of_one_of_yale_are_refused(tmp_path, sessions):
+    for folder in ("one/yaleB01", "two/yaleB01", "one/yaleB02"):
+        photograph(tmp_path / folder / f"{folder[4:]}_P00A+000E+00.png")
+    with pytest.raises(FileError, match=r"second folder of subject 'yaleB01'"):
+        find_photographs(tmp_path, sessions=sessions)
+
+
 def test_sessions_of_a_person_are_asked_for(tmp_path):
     for name in ("anna/day1/1.png", "anna/day2/1.png", "bert/day1/1.png", "bert/1.png"):
         photograph(tmp_path / name)
