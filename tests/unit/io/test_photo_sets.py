@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harmface.errors import FileError, FileWarning
+from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io import choose_gallery, find_photographs, read_photographs
+from harmface.io.photo_sets import yale_light
 
 PATTERN = np.arange(24, dtype=np.uint8).reshape(4, 6) * 9
 
@@ -63,6 +64,26 @@ def test_two_folders_of_one_of_yale_are_refused(tmp_path, sessions):
         photograph(tmp_path / folder / f"{folder[4:]}_P00A+000E+00.png")
     with pytest.raises(FileError, match=r"second folder of subject 'yaleB01'"):
         find_photographs(tmp_path, sessions=sessions)
+
+
+def test_one_subject_or_none_is_no_set(tmp_path):
+    for name in ("anna/1.png", "anna/2.png", "loose.png"):
+        photograph(tmp_path / name)
+    with pytest.raises(FileError, match="holds photographs of fewer than two subjects"):
+        find_photographs(tmp_path)
+
+
+def test_a_set_of_which_nothing_can_be_read_is_refused(tmp_path):
+    for name in ("anna", "bert"):
+        photograph(tmp_path / name / "1.png").write_bytes(b"no picture")
+    bad = []
+    with pytest.raises(ArgumentError, match="at least one that can be read"):
+        read_photographs(find_photographs(tmp_path), bad=bad.append)
+    assert len(bad) == 2
+
+
+def test_other_names_tell_no_light():
+    assert yale_light("anna.png") is yale_light("yaleB01_P00A+000E+00.txt") is None
 
 
 def test_sessions_of_a_person_are_asked_for(tmp_path):
