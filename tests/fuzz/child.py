@@ -34,8 +34,11 @@ from harmface.errors import HarmfaceError
 SECONDS = 5.0
 """Longest that a small file may keep a processor busy, whatever else the machine does."""
 
-GIVEN_UP = 15
-"""Seconds after which the process ends itself, whatever it is doing."""
+GIVEN_UP = 7
+"""Seconds of a processor after which a fork ends itself, whatever it is doing."""
+
+WAITED = 180
+"""Seconds after which it ends itself if it waits; long, as the machine may have others to serve."""
 
 MEMORY = 2**30
 """Most memory that a small file may take."""
@@ -109,7 +112,8 @@ def _outcome(read, files: dict[str, bytes], folder: Path, noise: IO[bytes]) -> d
     noise.seek(0)
     Path("/proc/self/clear_refs").write_text("5")
     before = _status("VmHWM")
-    signal.alarm(GIVEN_UP)
+    signal.setitimer(signal.ITIMER_PROF, GIVEN_UP)
+    signal.alarm(WAITED)
     start = time.process_time()
     said = ""
     try:
@@ -120,6 +124,7 @@ def _outcome(read, files: dict[str, bytes], folder: Path, noise: IO[bytes]) -> d
     except Exception as error:
         outcome, said = f"{type(error).__name__} in {_places(error)}", str(error)
     seconds = time.process_time() - start
+    signal.setitimer(signal.ITIMER_PROF, 0)
     signal.alarm(0)
     taken = _status("VmHWM") - before
     sys.stdout.flush()

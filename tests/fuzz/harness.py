@@ -109,4 +109,4 @@ def _batch(
     if code == 0 or done == started is not None:
         return started, None
     how = signal.Signals(-code).name if code < 0 else f"exit {code}"
-    return started, "hang" if code == -signal.SIGALRM else f"crash: {how}"
+    return started, "hang" if -code in (signal.SIGALRM, signal.SIGPROF) else f"crash: {how}"
