@@ -128,6 +128,16 @@ def non_negative(name: str, array: ArrayLike) -> np.ndarray:
     return array
 
 
+def picture(name: str, array: ArrayLike) -> np.ndarray:
+    """Return `array` as floating point if it is a finite grey or RGB picture with pixels."""
+    array = finite(name, array)
+    if array.ndim not in (2, 3) or array.shape[2:] not in ((), (3,)) or array.size == 0:
+        raise ArgumentError(
+            f"{name} must have shape (H, W) or (H, W, 3), with pixels, got {array.shape}"
+        )
+    return array
+
+
 def vectors(name: str, array: ArrayLike) -> np.ndarray:
     """Return `array` as floating point if its last axis has three components."""
     array = floating(name, array)

@@ -1,5 +1,8 @@
 """Shapes and types of every public function are checked while the tests run."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
@@ -26,3 +29,12 @@ def rng() -> np.random.Generator:
 def unchecked(monkeypatch):
     """Leave shapes to the guards alone, as outside the tests."""
     monkeypatch.setattr(config, "jaxtyping_disable", True)
+
+
+@pytest.fixture
+def terminal():
+    """Return a device that is lost with the test, if what ought to spare it does not."""
+    ends = os.openpty()
+    yield Path(os.ttyname(ends[1]))
+    for end in ends:
+        os.close(end)

@@ -1,6 +1,7 @@
 """The command line: parse, call, print.
 
-Exit codes: 0 done, 1 a claim or check failed, 2 bad input, 3 a defect of the package.
+Exit codes: 0 done, 1 a claim or check failed, 2 bad input, or too large for the memory there is,
+3 a defect of the package.
 """
 
 import os
@@ -82,8 +83,9 @@ def main(arguments: list[str] | None = None) -> None:
     except OSError as error:
         name = "" if error.filename is None else f"{os.fsdecode(error.filename)}: "
         _stop(2, f"{name}{error.strerror or error}", debug)
-    except MemoryError:
-        _stop(3, "not enough memory; give smaller input", debug)
+    except MemoryError as error:
+        reason = f" ({str(error)[:200]})" if str(error) else ""
+        _stop(2, f"not enough memory{reason}; give smaller input", debug)
     except (KeyboardInterrupt, typer.Abort):
         _stop(130, "stopped")
     except Exception as error:

@@ -20,7 +20,7 @@ from harmface.geometry.orientation import (
 from harmface.geometry.slopes import facing_camera
 from harmface.geometry.surface_mesh import depth_to_mesh, pixel_coordinates
 from harmface.geometry.texture import Texture, TextureImage
-from harmface.geometry.two_sided import one_side
+from harmface.geometry.two_sided import one_side, same_places
 from harmface.geometry.visibility import visible
 
 __all__ = [
@@ -44,6 +44,7 @@ __all__ = [
     "outward_share",
     "paints_a_face",
     "pixel_coordinates",
+    "same_places",
     "vertex_normals",
     "visible",
 ]

@@ -10,7 +10,7 @@ from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.geometry.rays import RayCaster, used_vertices
 from harmface.geometry.texture import Texture
-from harmface.geometry.two_sided import one_side
+from harmface.geometry.two_sided import one_side, same_places
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +46,15 @@ class Mesh:
 
     def __post_init__(self) -> None:
         checked = {
-            "vertices": checks.finite("vertices", self.vertices),
+            "vertices": checks.finite("vertices", checks.vectors("vertices", self.vertices)),
             "normals": checks.unit_vectors("normals", self.normals),
             "albedo": checks.non_negative("albedo", self.albedo),
         }
+        for name, array in checked.items():
+            if array.shape != (len(checked["vertices"]), 3):
+                raise ArgumentError(
+                    f"{name} must have shape (V, 3) for all V vertices, got {array.shape}"
+                )
         checked["faces"] = checked_faces(self.faces, len(checked["vertices"]))
         for name, array in checked.items():
             object.__setattr__(self, name, array)
@@ -93,13 +98,17 @@ def checked_faces(
 ) -> Integer[np.ndarray, "F 3"]:
     """Return `faces` if there is at least one and each index names a vertex."""
     faces = checks.array_of("faces", faces)
+    if faces.ndim != 2 or faces.shape[1] != 3:
+        raise ArgumentError(f"faces must have shape (F, 3), got {faces.shape}")
     if len(faces) == 0:
         raise ArgumentError("faces must hold at least one triangle, got none")
     return checks.indices("faces", faces, vertex_count)
 
 
 def vertex_normals(
-    vertices: Float[np.ndarray, "V 3"], faces: Integer[np.ndarray, "F 3"]
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Integer[np.ndarray, "F 3"],
+    position: Integer[np.ndarray, "V"] | None = None,
 ) -> Float[np.ndarray, "V 3"]:
     """Return unit vertex normals: face normals averaged with the corner angles as weights.
 
@@ -116,11 +125,12 @@ def vertex_normals(
         Positions, any unit.
     faces
         Counter-clockwise triangles.
+    position
+        As `same_places` returns it for the vertices; found if not given.
     """
-    vertices = checks.finite("vertices", vertices)
+    vertices = checks.finite("vertices", checks.vectors("vertices", vertices))
     faces = checked_faces(faces, len(vertices))
-    _, position = np.unique(vertices, axis=0, return_inverse=True)
-    position = position.reshape(-1)
+    position = same_places(vertices) if position is None else position
     faces, _ = one_side(vertices, faces, position)
     corners = vertices[faces]
     edges = np.roll(corners, -1, axis=1) - corners

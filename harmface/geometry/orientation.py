@@ -35,9 +35,16 @@ def outward_share(mesh: Mesh) -> float:
     ----------
     mesh
         Any surface.
+
+    Raises
+    ------
+    ArgumentError
+        If nothing of it is seen from the front, such as of a plane seen edge-on.
     """
     facing = _normals_seen(mesh, np.eye(3))[..., 2]
-    return float((facing > 0).sum() / max(1, (facing != 0).sum()))
+    if not facing.any():
+        raise ArgumentError("mesh must be seen from the front, but no ray meets it")
+    return float((facing > 0).sum() / (facing != 0).sum())
 
 
 def face_rotation(mesh: Mesh) -> str | None:
@@ -144,8 +151,6 @@ def _normals_seen(mesh: Mesh, rotation: Float[np.ndarray, "3 3"]) -> Float[np.nd
     origins, directions = camera.rays(2)
     hits = mesh.rays.first_hits(mesh.rays.local(origins @ rotation), directions @ rotation)
     hit = hits.face >= 0
-    if not hit.any():
-        raise ArgumentError("mesh must be seen from the front, but no ray meets it")
     u, v = hits.u[hit], hits.v[hit]
     corners = mesh.normals[mesh.faces[hits.face[hit]]]
     normals = np.zeros((len(hit), 3))

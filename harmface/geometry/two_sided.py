@@ -6,6 +6,17 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 
+def same_places(vertices: Float[np.ndarray, "V 3"]) -> Integer[np.ndarray, "V"]:
+    """Return a number for each vertex, from 0 on, the same for vertices at the same place.
+
+    Parameters
+    ----------
+    vertices
+        Positions, any unit.
+    """
+    return np.unique(vertices, axis=0, return_inverse=True)[1].reshape(-1)
+
+
 def one_side(
     vertices: Float[np.ndarray, "V 3"],
     faces: Integer[np.ndarray, "F 3"],
@@ -25,7 +36,7 @@ def one_side(
     faces
         Vertex indices of each triangle.
     position
-        A number for each vertex, the same for vertices at the same place; found if not given.
+        As `same_places` returns it; found if not given.
 
     Returns
     -------
@@ -34,16 +45,15 @@ def one_side(
     kept
         Which of the faces given they are.
     """
-    if position is None:
-        _, position = np.unique(vertices, axis=0, return_inverse=True)
-    places = position.reshape(-1)[faces]
-    order = np.sort(places, axis=1)
+    position = same_places(vertices) if position is None else position
+    corners = position[faces]
+    order = np.sort(corners, axis=1)
     # A face runs as its sorted corners do, or the other way.
-    turn = np.argmin(places, axis=1)
-    rows = np.arange(len(places))
-    forwards = places[rows, (turn + 1) % 3] < places[rows, (turn + 2) % 3]
+    turn = np.argmin(corners, axis=1)
+    rows = np.arange(len(corners))
+    forwards = corners[rows, (turn + 1) % 3] < corners[rows, (turn + 2) % 3]
     # Numbers sort much faster than rows. Two steps, as the product of three may overflow.
-    size = int(places.max()) + 1
+    size = int(corners.max()) + 1
     _, pair = np.unique(order[:, 0] * size + order[:, 1], return_inverse=True)
     keys = pair * size + order[:, 2]
     _, first, group = np.unique(keys, return_index=True, return_inverse=True)
@@ -51,12 +61,12 @@ def one_side(
     kept = flat | (forwards == forwards[first][group])
     if kept.all():
         return faces, kept
-    places, kept_faces = places[kept], faces[kept]
-    edges = places[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    corners, kept_faces = corners[kept], faces[kept]
+    edges = corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     if len(np.unique(edges[:, 0] * size + edges[:, 1])) == len(edges):
         return kept_faces, kept
     _, index = np.unique(position, return_index=True)
-    turned = _turned(vertices[index], places)
+    turned = _turned(vertices[index], corners)
     return np.where(turned[:, None], kept_faces[:, ::-1], kept_faces), kept
 
 

@@ -13,7 +13,7 @@ from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io.atomic import atomic_write
 from harmface.io.files import check_regular, excerpt
 from harmface.io.pictures import MAX_PIXELS, check_size, opened, pixels
-from harmface.io.primaries import REC709, luminance_weights, to_rec709
+from harmface.io.primaries import REC709, in_rec709, luminance_weights, to_rec709
 
 MAX_CHANNELS = 128
 """Most channels of a part; renderers write some dozens."""
@@ -46,13 +46,13 @@ def read_exr(
     Raises
     ------
     FileError
-        If the file is missing, broken, larger than `max_pixels`, deep, has other channels or too
-        many, or no such part.
+        If the file is missing, broken, larger than `max_pixels`, deep, has other channels, too
+        many, or some of fewer pixels (subsampled chroma), or no such part.
 
     Warns
     -----
     FileWarning
-        If the file holds other pictures too and `part` was not given.
+        If the file holds other pictures too and `part` was not given, or colours beyond Rec. 709.
     """
     path = Path(path)
     check_regular(path)
@@ -89,9 +89,7 @@ def write_exr(path: Path | str, image: Float[np.ndarray, "H W *channels"]) -> No
     """
     import OpenImageIO
 
-    image = checks.finite("image", image)
-    if image.ndim not in (2, 3) or image.shape[2:] not in ((), (3,)) or image.size == 0:
-        raise ArgumentError(f"image must have shape (H, W) or (H, W, 3), got {image.shape}")
+    image = checks.picture("image", image)
     codes = np.ascontiguousarray(np.atleast_3d(image), dtype=np.float32)
     rows, columns, channels = codes.shape
     spec = OpenImageIO.ImageSpec(columns, rows, channels, "float")
@@ -177,7 +175,7 @@ def _read(path: Path, source: Any, spec: Any, layer: str) -> Float[np.ndarray, "
         matrix = to_rec709(chromaticities or REC709)
     except ArgumentError as error:
         raise FileError(f"{path}: {excerpt(error)}") from None
-    return image if matrix is None else image @ matrix.T.astype(np.float32)
+    return image if matrix is None else in_rec709(path, image, matrix)
 
 
 def _in_window(path: Path, stored: np.ndarray, spec: Any) -> np.ndarray:

@@ -18,7 +18,8 @@ MAX_TEXT = 2**24
 MAX_ECHO = 200
 """Most characters of a file that a message repeats."""
 
-# What parsers raise when bytes are not what their format says.
+# What parsers raise when bytes are not what their format says. A lack of memory is none of it:
+# sizes are checked before memory is taken.
 PARSE_ERRORS = (
     ArithmeticError,
     AssertionError,
@@ -26,7 +27,6 @@ PARSE_ERRORS = (
     BufferError,
     EOFError,
     LookupError,
-    MemoryError,
     NameError,
     OSError,
     RuntimeError,
@@ -111,6 +111,21 @@ def excerpt(said: object) -> str:
     line = next((line for line in str(said).splitlines() if line.strip()), "")
     line = line or (type(said).__name__ if isinstance(said, BaseException) else "")
     return line if len(line) <= MAX_ECHO else f"{line[:MAX_ECHO]}..."
+
+
+def is_number(word: str) -> bool:
+    """Return whether this is a real number as Python writes it.
+
+    Examples
+    --------
+    >>> is_number("1e-3"), is_number("1,5")
+    (True, False)
+    """
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 def is_file_name(name: object) -> bool:

@@ -75,9 +75,9 @@ def _listed(photographs: list[Photograph], path: Path) -> np.ndarray:
     found = set()
     chosen = []
     for photograph in photographs:
-        parts = photograph.path.parts
-        names = {"/".join(parts[start:]) for start in range(len(parts))}
-        names |= {f"./{name}" for name in names} | {photograph.path.as_posix()}
+        whole = photograph.path.absolute()
+        names = {"/".join(whole.parts[start:]) for start in range(1, len(whole.parts))}
+        names |= {f"./{name}" for name in names} | {photograph.path.as_posix(), whole.as_posix()}
         found |= names & wanted
         chosen.append(bool(names & wanted))
     unknown = sorted(wanted - found)

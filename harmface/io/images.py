@@ -11,6 +11,7 @@ from harmface.conventions import linear_to_srgb
 from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io.atomic import atomic_write
 from harmface.io.pictures import MAX_PIXELS, read_picture
+from harmface.io.png import MAX_SIDE
 
 
 def read_image(
@@ -43,7 +44,7 @@ def read_image(
     Warns
     -----
     FileWarning
-        If a JPEG file holds CMYK, or is damaged but could be decoded.
+        If a JPEG or TIFF file holds CMYK, or a JPEG file is damaged but could be decoded.
     """
     picture = read_picture(path, max_pixels)
     for note in picture.notes:
@@ -74,7 +75,7 @@ def write_image(
     Raises
     ------
     ArgumentError
-        On NaN, another number of bits, or another shape.
+        On NaN, integers, whose scale is not known, another number of bits, or another shape.
     FileError
         If the name does not end in `.png` or the file cannot be written.
     """
@@ -83,9 +84,11 @@ def write_image(
     path = Path(path)
     if path.suffix.lower() != ".png":
         raise FileError(f"{path}: images are written as PNG; give a name that ends in .png")
-    image = checks.finite("image", image)
-    if image.ndim not in (2, 3) or image.shape[2:] not in ((), (3,)):
-        raise ArgumentError(f"image must have shape (H, W) or (H, W, 3), got {image.shape}")
+    image = checks.picture("image", checks.intensities("image", image))
+    if max(image.shape) > MAX_SIDE:
+        raise ArgumentError(
+            f"image must have at most {MAX_SIDE} rows and columns as PNG, got {image.shape}"
+        )
     if bits not in (8, 16):
         raise ArgumentError(f"bits must be 8 or 16, got {bits}")
     values = np.clip(image, 0, 1)

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from harmface import checks
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import FileError
 from harmface.io.atomic import atomic_write
 from harmface.io.files import read_bytes
 from harmface.io.pictures import MAX_PIXELS, check_size
@@ -65,9 +65,7 @@ def write_pfm(path: Path | str, image: Float[np.ndarray, "H W *channels"]) -> No
     ArgumentError
         If a value is NaN or infinite, or the shape is another.
     """
-    image = checks.finite("image", image)
-    if image.ndim not in (2, 3) or image.shape[2:] not in ((), (3,)) or image.size == 0:
-        raise ArgumentError(f"image must have shape (H, W) or (H, W, 3), got {image.shape}")
+    image = checks.picture("image", image)
     kind = "PF" if image.ndim == 3 else "Pf"
     header = f"{kind}\n{image.shape[1]} {image.shape[0]}\n-1.0\n".encode()
     with atomic_write(path) as file:

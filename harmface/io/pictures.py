@@ -86,7 +86,7 @@ class Picture:
             # Code k of m was stretched to k * limit / m, rounded down.
             meant = -(-table * self.largest // limit) / self.largest
         meant = srgb_to_linear(meant) if srgb else meant
-        return looked_up(meant, self.codes)
+        return _looked_up(meant, self.codes)
 
 
 def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS, *, opaque: bool = True) -> Picture:
@@ -120,6 +120,7 @@ def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS, *, opaque: bool
             raise _unreadable(path, NO_PICTURE)
         spec = source.spec()
         check_size(path, spec.width, spec.height, max_pixels)
+        _check_channels(path, spec)
         largest = None
         if kind == "pnm":
             largest = _largest_code(path, size)
@@ -158,7 +159,7 @@ def opened(path: Path) -> Iterator[Any]:
         raise _unreadable(path, excerpt(error)) from None
 
 
-def looked_up(
+def _looked_up(
     table: Float[np.ndarray, "n"], codes: UInt[np.ndarray, "..."]
 ) -> Float[np.ndarray, "..."]:
     """Return `table[codes]`, a few rows at a time: numpy takes eight bytes for each index."""
@@ -215,15 +216,27 @@ def oriented(image: np.ndarray, orientation: int) -> np.ndarray:
     return image.swapaxes(0, 1) if orientation in (5, 6, 7, 8) else image
 
 
-def _colours(path: Path, codes: np.ndarray, spec: Any, opaque: bool) -> np.ndarray:
-    """Return grey codes as (H, W), or RGB, of what may have an alpha channel, which is full."""
-    alpha = spec.alpha_channel
-    kept = [index for index in range(codes.shape[2]) if index != alpha]
-    if len(kept) not in (1, 3):
+def _space(spec: Any) -> str:
+    """Return what the channels of a JPEG or TIFF file mean, where it is not grey or RGB."""
+    return str(spec.getattribute("jpeg:ColorSpace") or spec.getattribute("tiff:ColorSpace") or "")
+
+
+def _check_channels(path: Path, spec: Any) -> None:
+    """Refuse what is neither grey nor RGB, with or without opacity, before it is decoded."""
+    if _space(spec).endswith("LAB"):
+        # It would be decoded, but with another white.
+        raise FileError(f"{path}: holds the colours {_space(spec)}; save it as grey or RGB")
+    if spec.nchannels - (spec.alpha_channel >= 0) not in (1, 3):
         raise FileError(
             f"{path}: has the channels {excerpt(', '.join(spec.channelnames))}; save it as grey "
             "or RGB"
         )
+
+
+def _colours(path: Path, codes: np.ndarray, spec: Any, opaque: bool) -> np.ndarray:
+    """Return grey codes as (H, W), or RGB, of what may have an alpha channel, which is full."""
+    alpha = spec.alpha_channel
+    kept = [index for index in range(codes.shape[2]) if index != alpha]
     if alpha >= 0 and opaque:
         full = 1 if codes.dtype.kind == "f" else np.iinfo(codes.dtype).max
         if (codes[..., alpha] != full).any():
@@ -243,7 +256,7 @@ def _notes(path: Path, source: Any, spec: Any) -> tuple[str, ...]:
         raise _unreadable(path, "it is cut off")
     if said:
         notes.append(f"{path.name}: is damaged but was read as far as it goes ({said})")
-    if spec.getattribute("jpeg:ColorSpace") in ("CMYK", "YCCK"):
+    if _space(spec) in ("CMYK", "YCCK"):
         notes.append(f"{path.name}: holds CMYK, turned to RGB without a colour profile")
     return tuple(notes)
 

@@ -1,9 +1,12 @@
 """Pictures in the colours of other primaries, brought to those of Rec. 709 and sRGB."""
 
+import warnings
+from pathlib import Path
+
 import numpy as np
 from jaxtyping import Float
 
-from harmface.errors import ArgumentError
+from harmface.errors import ArgumentError, FileWarning
 
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 """Chromaticities x, y of red, green, blue and white (ITU-R BT.709)."""
@@ -61,6 +64,44 @@ def to_rec709(chromaticities: tuple[float, ...]) -> Float[np.ndarray, "3 3"] | N
     return np.asarray(target @ match @ source)
 
 
+def in_rec709(
+    path: Path | str, image: Float[np.ndarray, "H W 3"], matrix: Float[np.ndarray, "3 3"]
+) -> Float[np.ndarray, "H W 3"]:
+    """Return a file's picture in Rec. 709, without what makes a channel of light negative.
+
+    Colours more saturated than the primaries of Rec. 709 are negative in one of them. A light is
+    not: there the channel is set to 0, and that it was is said. Where the file itself holds
+    negative values they are kept.
+
+    Parameters
+    ----------
+    path
+        Named in the warning.
+    image
+        As the file has it.
+    matrix
+        Of `to_rec709`.
+
+    Warns
+    -----
+    FileWarning
+        If there are such colours.
+    """
+    found = image @ matrix.T.astype(np.float32)
+    light = image.min(axis=-1) >= 0
+    rounding = 8 * np.finfo(np.float32).eps * found.max(axis=-1)
+    share = (light & (found.min(axis=-1) < -rounding)).mean()
+    found[(found < 0) & light[..., None]] = 0
+    if share:
+        warnings.warn(
+            f"{path}: {share:.2%} of its pixels have colours beyond Rec. 709, negative in a "
+            "channel, which is set to 0",
+            FileWarning,
+            stacklevel=3,
+        )
+    return found
+
+
 def luminance_weights(chromaticities: tuple[float, ...]) -> Float[np.ndarray, "3"]:
     """Return the share of red, green and blue of some primaries in the luminance Y."""
     return np.asarray(_to_xyz(np.array(chromaticities))[1])
@@ -70,12 +111,11 @@ def _to_xyz(chromaticities: Float[np.ndarray, "8"]) -> Float[np.ndarray, "3 3"]:
     """Return the matrix from linear values to XYZ, white having Y = 1."""
     x, y = chromaticities.reshape(4, 2).T
     columns = np.stack([x, y, 1 - x - y])
-    try:
-        if not (np.isfinite(columns).all() and y[3] > 0):
-            raise np.linalg.LinAlgError
-        strengths = np.linalg.solve(columns[:, :3], columns[:, 3] / y[3])
-    except np.linalg.LinAlgError:
+    # The determinant is twice the area of the primaries' triangle: of three in a line, which are
+    # rounded, it is small.
+    if not (np.isfinite(columns).all() and abs(np.linalg.det(columns[:, :3])) > SAME and y[3] > 0):
         raise ArgumentError(
             f"chromaticities must be those of three colours, got {chromaticities.tolist()}"
-        ) from None
+        )
+    strengths = np.linalg.solve(columns[:, :3], columns[:, 3] / y[3])
     return np.asarray(columns[:, :3] * strengths)

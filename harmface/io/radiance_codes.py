@@ -36,9 +36,6 @@ def decode_scanlines(
     stored = len(data) - start
     announced = bytes([2, 2, length >> 8 & 0xFF, length & 0xFF])
     if _SHORTEST <= length <= _LONGEST and data.startswith(announced, start):
-        # A run codes at most 127 values by two bytes.
-        if stored < scanlines * (4 + 8 * -(-length // 127)):
-            raise EOFError("it is cut off")
         try:
             return _new(data, start, scanlines, length, announced)
         except ValueError:

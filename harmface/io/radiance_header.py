@@ -105,11 +105,12 @@ def read_header(path: Path | str, data: bytes) -> Header:
 def _exposure(path: Path | str, variables: list[tuple[str, str]]) -> Float[np.ndarray, "3"]:
     """Return the product of all exposures and corrections of colour."""
     found = np.ones(3)
-    for name, value in variables:
-        if name == "EXPOSURE":
-            found *= _numbers(path, name, value, 1)
-        elif name == "COLORCORR":
-            found *= _numbers(path, name, value, 3)
+    with np.errstate(over="ignore"):  # as it is refused below
+        for name, value in variables:
+            if name == "EXPOSURE":
+                found *= _numbers(path, name, value, 1)
+            elif name == "COLORCORR":
+                found *= _numbers(path, name, value, 3)
     if not (np.isfinite(found) & (found > 0)).all():
         raise FileError(f"{path}: its EXPOSURE and COLORCORR multiply to {found.tolist()}")
     return found

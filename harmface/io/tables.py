@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from harmface import checks
 from harmface.errors import ArgumentError, FileError
-from harmface.io.files import PARSE_ERRORS, excerpt, read_bytes
+from harmface.io.files import PARSE_ERRORS, excerpt, is_number, read_bytes
 
 MAX_TABLE = 2**20
 """Longest table read: 1 MiB, some ten thousand lines."""
@@ -71,12 +71,12 @@ def read_table(path: Path | str) -> Table:
                 f"{path}: its first line promises {promised[:20]} lines, {len(lines)} follow"
             )
     columns = None
-    if len(lines) > 1 and not any(map(_is_number, lines[0])) and any(map(_is_number, lines[1])):
+    if len(lines) > 1 and not any(map(is_number, lines[0])) and any(map(is_number, lines[1])):
         columns = tuple(word.lower() for word in lines.pop(0))
     rows = None
     if lines and all(_names_a_row(line) for line in lines):
         # A name may have blanks; the numbers of all lines are as many as those of the first.
-        count = next(n for n, word in enumerate(reversed(lines[0])) if not _is_number(word))
+        count = next(n for n, word in enumerate(reversed(lines[0])) if not is_number(word))
         rows = tuple(" ".join(line[: len(line) - count]) for line in lines)
         lines = [line[len(line) - count :] for line in lines]
         if columns is not None:
@@ -114,7 +114,11 @@ def npy_header(file: Any) -> tuple[tuple[int, ...], bool, np.dtype]:
     if b"\\" in file.read(min(length, _LONGEST_HEADER)):
         raise ValueError("its header has a backslash")  # of which Python would warn
     file.seek(place)
-    shape, fortran, dtype = _NPY_HEADERS[major](file)
+    try:
+        shape, fortran, dtype = _NPY_HEADERS[major](file)
+    except MemoryError:
+        # Python's parser says so of what is nested deeply, whatever memory there is.
+        raise ValueError("its header is nested deeply") from None
     if min(shape, default=0) < 0:
         raise ValueError(f"its shape is {shape}")
     return shape, fortran, dtype
@@ -139,7 +143,7 @@ def _words(text: str) -> list[list[str]]:
     decimal = (
         any("," in word for word in words)
         and all(len(line) > 1 for line in apart[-1:])
-        and all("." not in word or not _is_number(word) for word in words)
+        and all("." not in word or not is_number(word) for word in words)
         and all("," not in word or _DECIMAL_COMMA.fullmatch(word) for word in words)
     )
     if decimal:
@@ -147,13 +151,5 @@ def _words(text: str) -> list[list[str]]:
     return [[word for word in re.split(r"[;,\s]+", line) if word] for line in lines]
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
 def _names_a_row(line: list[str]) -> bool:
-    return len(line) > 1 and not _is_number(line[0]) and _is_number(line[-1])
+    return len(line) > 1 and not is_number(line[0]) and is_number(line[-1])

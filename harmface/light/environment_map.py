@@ -52,6 +52,8 @@ class EnvironmentMap:
 
     def __post_init__(self) -> None:
         radiance = checks.floating("radiance", self.radiance)
+        if radiance.size == 0:
+            raise ArgumentError(f"radiance must hold some pixels, got shape {radiance.shape}")
         object.__setattr__(self, "radiance", radiance)
         object.__setattr__(self, "frame", check_frame("frame", self.frame))
         self.layout.height_of(self.pixels)

@@ -9,6 +9,7 @@ import os
 import shutil
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from multiprocessing import get_context, parent_process
@@ -25,7 +26,7 @@ from data_synth.faces import head
 from data_synth.lightings import Lights, mixed, nine_points, yale64
 from harmface import checks
 from harmface.conventions import luminance
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import ArgumentError, FileError, HarmfaceError
 from harmface.geometry import frame_orthographic, gbuffer
 from harmface.io import atomic_write, claim, write_image, write_npz, write_ply
 from harmface.io.datasets import MANIFEST, VERSION
@@ -181,6 +182,11 @@ def _rendered(
             for job in as_completed(jobs):
                 job.result()
                 yield jobs[job]
+        except BrokenProcessPool:
+            raise HarmfaceError(
+                f"{folder}: a process that renders it has ended, as happens when memory runs out; "
+                "the same command goes on from there"
+            ) from None
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

@@ -69,6 +69,23 @@ def test_a_lying_head_is_said_and_turned_further(run, files):
     assert "try --rotate x:180,x:-90" in said
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("render", "flat.obj", "--light", "0,0", "--size", "16", "--out", "p.png"),
+        ("basis", "flat.obj", "--size", "16", "--out", "a.npz"),
+        ("enroll", "flat.obj", "--size", "16", "--out", "g.npz"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_a_flat_mesh_is_seen_from_the_front_only(run, check_refused, tmp_path, command):
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    (tmp_path / "flat.obj").write_text(corners)
+    outcome = run(*command)
+    assert (outcome.code, outcome.err) == (0, "")
+    check_refused("no ray meets it", *command, "--rotate", "y:90")
+
+
 def test_a_head_that_is_inside_out_is_said_and_turned(run, files):
     right, _ = picture(run, "head.ply")
     black, said = picture(run, "inside.ply")

@@ -1,7 +1,8 @@
-"""Reads damaged files one after the other, in a process of its own that may crash.
+"""Reads damaged files one after the other, in forks of this process that may crash.
 
-Run as `python -m fuzz.child READER FIRST COUNT [KEEP]`; prints a line of JSON before and after
-each case.
+Run as `python -m fuzz.child`. Takes lines of JSON: reader, first case, count, and a folder for the
+files of failures or null. For each line a fork prints one before and after each case, and this
+process one when the fork has ended. What takes long to import is there before the forks.
 """
 
 import json
@@ -15,10 +16,14 @@ import time
 import traceback
 import warnings
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import IO
 
+import cv2  # noqa: F401 - readers import it where they need it
 import numpy as np
+import OpenImageIO  # noqa: F401
+import trimesh  # noqa: F401
 
 from fuzz.odd import FIFO
 from fuzz.pitfalls import PITFALLS
@@ -29,8 +34,11 @@ from harmface.errors import HarmfaceError
 SECONDS = 5.0
 """Longest that a small file may keep a processor busy, whatever else the machine does."""
 
-GIVEN_UP = 15
-"""Seconds after which the process ends itself, whatever it is doing."""
+GIVEN_UP = 7
+"""Seconds of a processor after which a fork ends itself, whatever it is doing."""
+
+WAITED = 180
+"""Seconds after which it ends itself if it waits; long, as the machine may have others to serve."""
 
 MEMORY = 2**30
 """Most memory that a small file may take."""
@@ -42,11 +50,36 @@ LONGEST = 600
 """Longest message beside the name of the file: at most 200 characters of it are from a file."""
 
 
-def main(name: str, first: int, count: int, keep: str | None = None) -> None:
+def main() -> None:
+    """Read cases in a fork for each line of stdin."""
+    say = os.fdopen(os.dup(1), "w")
+
+    def tell(**record: object) -> None:
+        print(json.dumps(record), file=say, flush=True)
+
+    for line in sys.stdin:
+        child = os.fork()
+        if child == 0:
+            try:
+                read_cases(tell, *json.loads(line))
+            except BaseException:
+                tell(broken=traceback.format_exc())
+            os._exit(0)
+        tell(ended=os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+
+
+def read_cases(
+    tell: Callable[..., None], name: str, first: int, count: int, keep: str | None
+) -> None:
     """Read some cases of a reader; `keep` names a folder for the files of those that fail.
 
     The first cases are the odd files of the format, all others sound ones after random damage.
     """
+    warnings.simplefilter("always")
+    for kind in vars(errors).values():
+        # The package's own notes are meant; any other library's are noise.
+        if isinstance(kind, type) and issubclass(kind, Warning):
+            warnings.simplefilter("ignore", kind)
     reader = (READERS | PITFALLS)[name]
     sound, odd = reader.seeds(), reader.odd()
     with tempfile.TemporaryDirectory() as folder:
@@ -58,26 +91,18 @@ def main(name: str, first: int, count: int, keep: str | None = None) -> None:
             except HarmfaceError:
                 continue
     resource.setrlimit(resource.RLIMIT_AS, (_status("VmSize") + CEILING, resource.RLIM_INFINITY))
-    warnings.simplefilter("always")
-    for kind in vars(errors).values():
-        # The package's own notes are meant; any other library's are noise.
-        if isinstance(kind, type) and issubclass(kind, Warning):
-            warnings.simplefilter("ignore", kind)
-    say = os.fdopen(os.dup(1), "w")
-    own = os.fdopen(os.dup(2), "w")
-    sys.excepthook = lambda *error: traceback.print_exception(*error, file=own)
     noise = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as the process
     for stream in (1, 2):
         os.dup2(noise.fileno(), stream)
     for number in range(first, first + count):
         rng = np.random.default_rng([zlib.crc32(name.encode()), number])
         files = odd[number] if number < len(odd) else damaged(reader, sound, rng)
-        print(json.dumps({"case": number}), file=say, flush=True)
+        tell(case=number)
         with tempfile.TemporaryDirectory() as folder:
             found = _outcome(reader.read, files, Path(folder), noise)
         if keep and found["outcome"] not in ("read", "refused"):
             _written(files, Path(keep, f"{name}-{number}"))
-        print(json.dumps({"case": number, **found}), file=say, flush=True)
+        tell(case=number, **found)
 
 
 def _outcome(read, files: dict[str, bytes], folder: Path, noise: IO[bytes]) -> dict[str, object]:
@@ -87,7 +112,8 @@ def _outcome(read, files: dict[str, bytes], folder: Path, noise: IO[bytes]) -> d
     noise.seek(0)
     Path("/proc/self/clear_refs").write_text("5")
     before = _status("VmHWM")
-    signal.alarm(GIVEN_UP)
+    signal.setitimer(signal.ITIMER_PROF, GIVEN_UP)
+    signal.alarm(WAITED)
     start = time.process_time()
     said = ""
     try:
@@ -98,6 +124,7 @@ def _outcome(read, files: dict[str, bytes], folder: Path, noise: IO[bytes]) -> d
     except Exception as error:
         outcome, said = f"{type(error).__name__} in {_places(error)}", str(error)
     seconds = time.process_time() - start
+    signal.setitimer(signal.ITIMER_PROF, 0)
     signal.alarm(0)
     taken = _status("VmHWM") - before
     sys.stdout.flush()
@@ -143,4 +170,4 @@ def _status(field: str) -> int:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), *sys.argv[4:])
+    main()

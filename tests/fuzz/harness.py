@@ -1,5 +1,6 @@
 """Damaged files by the thousand, read in child processes: a crash ends one and is counted."""
 
+import atexit
 import json
 import os
 import signal
@@ -7,6 +8,7 @@ import subprocess
 import sys
 from collections import Counter
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
@@ -56,44 +58,55 @@ def fuzz(reader: str, first: int, count: int, keep: Path | None = None) -> Tally
     tally = Tally()
     case, end = first, first + count
     while case < end:
-        started, finished = _batch(reader, case, end - case, keep, tally)
+        started, ended = _batch(reader, case, end - case, keep, tally)
         if started is None:
-            raise RuntimeError(f"{reader}: the child ended before its first case: {finished}")
-        if finished is not None:
-            tally.add(started, finished)
+            raise RuntimeError(f"{reader}: the child ended before its first case: {ended}")
+        if ended is not None:
+            tally.add(started, ended)
         case = started + 1
     return tally
+
+
+@cache
+def _child() -> subprocess.Popen[str]:
+    """Return the process that forks for each batch; it ends with this one."""
+    threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "fuzz.child"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        cwd=TESTS.parent,
+        env={**os.environ, **threads, "PYTHONPATH": str(TESTS)},
+        text=True,
+    )
+    atexit.register(process.communicate)
+    return process
 
 
 def _batch(
     reader: str, first: int, count: int, keep: Path | None, tally: Tally
 ) -> tuple[int | None, str | None]:
-    """Run cases until all are done or the process ends; return the last, and how it ended."""
-    threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "fuzz.child", reader, str(first), str(count)]
-    with subprocess.Popen(
-        command + ([] if keep is None else [str(keep)]),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        cwd=TESTS.parent,
-        env={**os.environ, **threads, "PYTHONPATH": str(TESTS)},
-        text=True,
-    ) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
-        started, done = None, None
-        for line in process.stdout:
-            record = json.loads(line)
-            started = record["case"]
-            if "outcome" in record:
-                done = started
-                tally.add(**record)
-        words = process.stderr.read().strip()
-    if started is None:
-        return None, words
-    if process.returncode == 0:
+    """Run cases until all are done or the fork ends; return the last, and how it ended."""
+    process = _child()
+    assert process.stdin is not None
+    assert process.stdout is not None
+    where = None if keep is None else str(keep.absolute())
+    print(json.dumps([reader, first, count, where]), file=process.stdin, flush=True)
+    started, done = None, None
+    for line in process.stdout:
+        record = json.loads(line)
+        if "broken" in record:
+            raise RuntimeError(f"{reader}: the harness fails: {record['broken']}")
+        if "ended" in record:
+            code = record["ended"]
+            break
+        started = record["case"]
+        if "outcome" in record:
+            done = started
+            tally.add(**record)
+    else:
+        raise RuntimeError(f"{reader}: the harness has ended")
+    if code == 0 or done == started is not None:
         return started, None
-    ended = process.returncode
-    how = signal.Signals(-ended).name if ended < 0 else f"exit {ended} {words[-200:]}"
-    how = "hang" if ended == -signal.SIGALRM else f"crash: {how}"
-    return started, None if done == started else how
+    how = signal.Signals(-code).name if code < 0 else f"exit {code}"
+    return started, "hang" if -code in (signal.SIGALRM, signal.SIGPROF) else f"crash: {how}"

@@ -24,6 +24,11 @@ def _memory(path: Path) -> Any:
     return len(b"x" * (2**30 + 2**24))
 
 
+def _endless(path: Path) -> Any:
+    while True:
+        pass
+
+
 def _sound(path: Path) -> Any:
     return path.read_bytes()
 
@@ -39,6 +44,6 @@ PITFALLS = {
     name: _reader(read)
     for name, read in (
         *(("segfault", _segfault), ("exception", _exception), ("noise", _noise)),
-        *(("memory", _memory), ("sound", _sound)),
+        *(("memory", _memory), ("endless", _endless), ("sound", _sound)),
     )
 }

@@ -11,6 +11,19 @@ from fuzz import containers, odd, seeds
 from fuzz.containers import Container
 from fuzz.mutate import mutated
 from fuzz.seeds import Files
+from harmface.io import (
+    choose_gallery,
+    find_photographs,
+    read_capture,
+    read_coefficients,
+    read_dataset,
+    read_environment_map,
+    read_gallery,
+    read_image,
+    read_lights,
+    read_mesh,
+    read_probe_grid,
+)
 
 OTHER_FILE = 0.15
 """Share of cases that damage a file beside the one that is named."""
@@ -44,64 +57,20 @@ def damaged(reader: Reader, sound: list[Files], rng: np.random.Generator) -> Fil
     return files
 
 
-def _mesh(path: Path) -> Any:
-    from harmface.io import read_mesh
-
-    return read_mesh(path)
-
-
-def _image(path: Path) -> Any:
-    from harmface.io import read_image
-
-    return read_image(path)
-
-
-def _map(path: Path) -> Any:
-    from harmface.io import read_environment_map
-
-    return read_environment_map(path)
-
-
-def _gallery(path: Path) -> Any:
-    from harmface.io import read_gallery
-
-    return read_gallery(path)
-
-
-def _grid(path: Path) -> Any:
-    from harmface.io import read_probe_grid
-
-    return read_probe_grid(path)
-
-
-def _capture(path: Path) -> Any:
-    from harmface.io import read_capture
-
+def _read_folder(path: Path) -> Any:
     return read_capture([path.parent])
 
 
-def _coefficients(path: Path) -> Any:
-    from harmface.io import read_coefficients
-
-    return read_coefficients(path)
-
-
-def _dataset(path: Path) -> Any:
-    from harmface.io import read_dataset
-
+def _read_all(path: Path) -> Any:
     found = read_dataset(path.parent)
     return [(found.lights(s), found.images(s), found.mask(s)) for s in found.subjects]
 
 
-def _lights(path: Path) -> Any:
-    from harmface.io import read_lights
-
+def _read_five_lights(path: Path) -> Any:
     return read_lights(path, 5)
 
 
-def _listed(path: Path) -> Any:
-    from harmface.io import choose_gallery, find_photographs
-
+def _choose(path: Path) -> Any:
     return choose_gallery(find_photographs(path.parent), str(path))
 
 
@@ -118,7 +87,7 @@ TIFF_TAGS = (
 READERS: dict[str, Reader] = {
     "obj": Reader(
         seeds.obj,
-        _mesh,
+        read_mesh,
         (
             b"\nf ~\nv ~/~mtllib /dev/zero\n~\nusemtl a\n~map_Kd /dev/zero\n"
             b"~\nmap_Kd ../m.obj\n~\nKd ~\\\n~\nvt 1~\nf 1 2 3 4 5 6 7\n~-"
@@ -127,7 +96,7 @@ READERS: dict[str, Reader] = {
     ),
     "ply": Reader(
         seeds.ply,
-        _mesh,
+        read_mesh,
         (
             b"element vertex 4294967295\n~property double nx\n~element face 0\n~ascii"
             b"~property list int int x\n~end_header\n~property uchar alpha\n~-1 "
@@ -135,33 +104,36 @@ READERS: dict[str, Reader] = {
         ).split(b"~"),
         odd=odd.ply,
     ),
-    "glb": Reader(seeds.glb, _mesh, JSON + GLTF, containers.GLB, odd=odd.glb),
-    "stl": Reader(seeds.stl, _mesh, (b"facet normal ", b"vertex ", b"endloop", b"solid ")),
+    "glb": Reader(seeds.glb, read_mesh, JSON + GLTF, containers.GLB, odd=odd.glb),
+    "stl": Reader(seeds.stl, read_mesh, (b"facet normal ", b"vertex ", b"endloop", b"solid ")),
     "png": Reader(
         seeds.png,
-        _image,
+        read_image,
         (b"IHDR", b"IDAT", b"PLTE", b"tRNS", b"iCCP", b"zTXta\0\0", b"acTL", b"fdAT", b"eXIf"),
         containers.PNG,
         odd.png,
     ),
     "jpeg": Reader(
         seeds.jpeg,
-        _image,
+        read_image,
         (
             b"\xff\xd8~\xff\xc0~\xff\xc4~\xff\xda~\xff\xdb~\xff\xdd\x00\x04\x00\x01~\xff\xe1"
             b"~\xff\xd9~\xff\xee\x00\x0eAdobe~\xff\xc2"
         ).split(b"~"),
         odd=odd.jpeg,
     ),
-    "tiff": Reader(seeds.tiff, _image, TIFF_TAGS, odd=odd.tiff),
+    "tiff": Reader(seeds.tiff, read_image, TIFF_TAGS, odd=odd.tiff),
     "pgm": Reader(
-        seeds.pgm, _image, (b"#", b"P5 ", b"P7\n", b"\n", b" 65536 ", b"99999 99999 "), odd=odd.pgm
+        seeds.pgm,
+        read_image,
+        (b"#", b"P5 ", b"P7\n", b"\n", b" 65536 ", b"99999 99999 "),
+        odd=odd.pgm,
     ),
-    "bmp": Reader(seeds.bmp, _image, (b"BM", b"\x28\0\0\0", b"\x0c\0\0\0", b"\1\0\0\0")),
-    "tga": Reader(seeds.tga, _image, (b"TRUEVISION-XFILE.\0",)),
+    "bmp": Reader(seeds.bmp, read_image, (b"BM", b"\x28\0\0\0", b"\x0c\0\0\0", b"\1\0\0\0")),
+    "tga": Reader(seeds.tga, read_image, (b"TRUEVISION-XFILE.\0",)),
     "hdr": Reader(
         seeds.hdr,
-        _map,
+        read_environment_map,
         (
             b"EXPOSURE=0\n~EXPOSURE=1e-300\n~FORMAT=32-bit_rle_xyze\n~+X ~-X ~+Y "
             b"~COLORCORR=1 2 3\n~PRIMARIES=\n~\r\n~\n\n~\x02\x02\x00\x08"
@@ -170,37 +142,49 @@ READERS: dict[str, Reader] = {
     ),
     "exr": Reader(
         seeds.exr,
-        _map,
+        read_environment_map,
         (
             b"chlist\x00~box2i\x00~dataWindow\x00~compression\x00~tiles\x00~type\x00"
             b"~deepscanline~chunkCount\x00~lineOrder\x00~chromaticities\x00~BY\x00~RY\x00"
         ).split(b"~"),
     ),
-    "pfm": Reader(seeds.pfm, _map, (b"PF", b"-0", b"\x00\x00\xc0\x7f", b"\x00\x00\x80\x7f")),
+    "pfm": Reader(
+        seeds.pfm, read_environment_map, (b"PF", b"-0", b"\x00\x00\xc0\x7f", b"\x00\x00\x80\x7f")
+    ),
     "gallery": Reader(
         seeds.gallery,
-        _gallery,
+        read_gallery,
         (*JSON, b"'descr': '|O'", b"'<f8'"),
         containers.NPZ,
         odd=odd.gallery,
     ),
     "probe grid": Reader(
-        seeds.probe_grid, _grid, (*JSON, b"'descr': '|O'"), containers.NPZ, odd=odd.probe_grid
+        seeds.probe_grid,
+        read_probe_grid,
+        (*JSON, b"'descr': '|O'"),
+        containers.NPZ,
+        odd=odd.probe_grid,
     ),
     "mat": Reader(
         seeds.mat,
-        _capture,
+        _read_folder,
         (b"\x0e\0\0\0", b"\x01\0\0\0", b"\x0f\0\0\0", b"\x06\0\0\0", b"\xff\xff\xff\x7f"),
         containers.MAT,
         odd.mat,
     ),
     "capture": Reader(
-        seeds.capture, _capture, (b"..", b"/", b"\x00", b"nan ", b"1e200 ", b"#"), odd=odd.capture
+        seeds.capture,
+        _read_folder,
+        (b"..", b"/", b"\x00", b"nan ", b"1e200 ", b"#"),
+        odd=odd.capture,
     ),
-    "coefficients": Reader(seeds.coefficients, _coefficients, JSON, odd=odd.coefficients),
-    "manifest": Reader(seeds.manifest, _dataset, JSON, odd=odd.manifest),
+    "coefficients": Reader(seeds.coefficients, read_coefficients, JSON, odd=odd.coefficients),
+    "manifest": Reader(seeds.manifest, _read_all, JSON, odd=odd.manifest),
     "lights": Reader(
-        seeds.lights, _lights, (b"#", b";", b"1e200 1e200 1e200\n", b"inf ", b"1j "), odd=odd.lights
+        seeds.lights,
+        _read_five_lights,
+        (b"#", b";", b"1e200 1e200 1e200\n", b"inf ", b"1j "),
+        odd=odd.lights,
     ),
-    "gallery list": Reader(seeds.listed, _listed, (b"\x00", b"/", b"..", b"\n", b"a/1.png\n")),
+    "gallery list": Reader(seeds.listed, _choose, (b"\x00", b"/", b"..", b"\n", b"a/1.png\n")),
 }

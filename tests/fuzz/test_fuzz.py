@@ -31,6 +31,10 @@ def test_what_goes_wrong_is_noticed(name, outcome):
     assert tally.outcomes[outcome] > 1
 
 
+def test_reading_without_end_is_noticed():
+    assert fuzz("endless", 3, 1).outcomes == {"hang": 1}
+
+
 def test_a_case_is_the_same_every_time(tmp_path):
     for name in ("one", "two"):
         fuzz("exception", 0, 3, tmp_path / name)

@@ -48,3 +48,13 @@ def test_a_mask_is_true_or_false():
         checks.mask("mask", np.array([[0, 255]], np.uint8), (1, 2))
     with pytest.raises(ArgumentError, match=r"mask must have the size \(1, 2\)"):
         checks.mask("mask", np.ones((2, 1), bool), (1, 2))
+
+
+def test_no_indices_are_no_error():
+    assert checks.indices("faces", np.zeros((0, 3), int), 0).shape == (0, 3)
+
+
+@pytest.mark.parametrize("shape", [(), (2,), (2, 2, 2), (2, 2, 3, 3), (0, 2), (2, 0, 3)])
+def test_a_picture_has_pixels_and_one_or_three_channels(shape):
+    with pytest.raises(ArgumentError, match=r"image must have shape \(H, W\) or \(H, W, 3\)"):
+        checks.picture("image", np.ones(shape))

@@ -2,7 +2,6 @@
 
 import json
 import struct
-import warnings
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from harmface.errors import FileError, FileWarning
+from harmface.errors import FileError
 from harmface.io.files import MAX_TEXT, excerpt
 from harmface.io.meshes.gltf_buffers import Buffers, item, items, objects
 from harmface.io.meshes.gltf_materials import Material, Materials
@@ -47,7 +46,7 @@ def read_gltf(data: bytes, textures: Textures) -> list[Part]:
         for primitive in items(item(tree, "meshes", node["mesh"]), "primitives"):
             if primitive.get("mode", 4) not in _TRIANGLES:
                 continue  # points and lines
-            part = _part(primitive, buffers, materials)
+            part = _part(primitive, buffers, materials, textures)
             budget -= max(len(part.vertices), len(part.faces))
             if budget < 0:
                 raise FileError("places its meshes so often that they would not fit into memory")
@@ -92,9 +91,11 @@ def _placed(tree: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Float[np.nda
     if items(tree, "scenes"):
         roots = items(item(tree, "scenes", tree.get("scene", 0)), "nodes")
     else:
-        nodes = items(tree, "nodes")
-        below = {child for node in nodes for child in items(node, "children")}
-        roots = [index for index in range(len(nodes)) if index not in below]
+        indices = range(len(items(tree, "nodes")))
+        below = {
+            child for index in indices for child in items(item(tree, "nodes", index), "children")
+        }
+        roots = [index for index in indices if index not in below]
     waiting = [(index, np.eye(4)) for index in reversed(roots)]
     seen: set[int] = set()
     while waiting:
@@ -118,12 +119,12 @@ def _matrix(node: dict[str, Any]) -> Float[np.ndarray, "4 4"]:
         matrix = np.eye(4)
         matrix[:3, :3] = turn.as_matrix() * scale.reshape(3)
         matrix[:3, 3] = np.array(node.get("translation", [0, 0, 0]), dtype=np.float64)
-    if not np.isfinite(matrix).all():
-        raise FileError("is a broken glTF file: a node's place is not finite")
     return matrix
 
 
-def _part(primitive: dict[str, Any], buffers: Buffers, materials: Materials) -> Part:
+def _part(
+    primitive: dict[str, Any], buffers: Buffers, materials: Materials, textures: Textures
+) -> Part:
     attributes = objects(primitive, "attributes")
     if not buffers.stored(attributes["POSITION"]):
         named = ", ".join(objects(primitive, "extensions")) or "unknown means"
@@ -150,6 +151,8 @@ def _part(primitive: dict[str, Any], buffers: Buffers, materials: Materials) -> 
         uv = _as_many(buffers.coordinates(attributes[set_]), vertices)
         part.uv = _turned(uv, material)
         part.image = material.image
+    elif material.image is not None:
+        textures.leave_out(f"that of material {primitive['material']}")
     return part
 
 
@@ -198,6 +201,4 @@ def _tell(tree: dict[str, Any], textures: Textures) -> None:
     ):
         left.append("transparency")
     if left:
-        warnings.warn(
-            f"{textures.mesh.name}: {', '.join(left)} left out", FileWarning, stacklevel=4
-        )
+        textures.note(f"{', '.join(left)} left out")

@@ -1,12 +1,11 @@
 """Materials of OBJ files (MTL)."""
 
 import os
-import warnings
 from dataclasses import dataclass, field, replace
 
-from harmface.errors import FileError, FileWarning
+from harmface.errors import FileError
 from harmface.geometry import TextureImage
-from harmface.io.files import MAX_TEXT, excerpt, read_bytes
+from harmface.io.files import MAX_TEXT, excerpt, is_number, read_bytes
 from harmface.io.meshes.textures import Textures
 
 # How many words follow an option of a map; those of scale, offset and turbulence are numbers,
@@ -63,8 +62,9 @@ def read_materials(library: str, textures: Textures) -> dict[bytes, Material]:
         except FileError:
             files = []
     if not files:
-        text = f"its material file {excerpt(library)} is not there; materials count as white"
-        warnings.warn(f"{textures.mesh.name}: {text}", FileWarning, stacklevel=5)
+        textures.note(
+            f"its material file {excerpt(library)} is not there; materials count as white"
+        )
     found: dict[bytes, Material] = {}
     for file in files:
         name = None
@@ -102,7 +102,7 @@ def _mapped(material: Material, text: str) -> Material:
         option, start = words[place].lower(), place + 1
         if option in _VECTORS:
             end = start + 1
-            while end < min(len(words), start + 3) and _is_number(words[end]):
+            while end < min(len(words), start + 3) and is_number(words[end]):
                 end += 1
             values = [float(word) for word in words[start:end]]
             if option == "-s":
@@ -121,11 +121,3 @@ def _mapped(material: Material, text: str) -> Material:
     if not picture:
         raise ValueError
     return replace(material, picture=picture)
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True

@@ -1,7 +1,6 @@
 """Wavefront OBJ files."""
 
 import os
-import warnings
 from array import array
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -9,7 +8,7 @@ from io import BytesIO
 import numpy as np
 from jaxtyping import Float, Integer
 
-from harmface.errors import FileError, FileWarning
+from harmface.errors import FileError
 from harmface.io.files import excerpt
 from harmface.io.meshes.mtl import Material, read_materials
 from harmface.io.meshes.part import Part, unit_colors
@@ -39,7 +38,7 @@ class _Statements:
 
 
 def read_obj(data: bytes, textures: Textures) -> list[Part]:
-    """Return the surfaces of an OBJ file, one for each material."""
+    """Return the surfaces of an OBJ file: of each material one with and one without coordinates."""
     said = _statements(data)
     positions = np.array(said.positions).reshape(-1, 3)
     coordinates = np.array(said.coordinates).reshape(-1, 2)
@@ -60,13 +59,15 @@ def read_obj(data: bytes, textures: Textures) -> list[Part]:
     looks = {material: number for number, material in enumerate(dict.fromkeys(named))}
     materials = list(looks)
     look = np.array([looks[material] for material in named])
-    of_face = look[np.array(said.materials, dtype=np.int64)][face]
+    pictured = (corners[triangles, 1] >= 0).all(axis=1)
+    of_face = 2 * look[np.array(said.materials, dtype=np.int64)][face] + pictured
     order = np.argsort(of_face, kind="stable")
-    ends = np.searchsorted(of_face[order], np.arange(len(materials)), side="right")
-    parts, tinted, bare = [], [], []
-    for material, chosen in zip(materials, np.split(order, ends[:-1]), strict=True):
+    ends = np.searchsorted(of_face[order], np.arange(2 * len(materials)), side="right")
+    parts, tinted = [], []
+    for number, chosen in enumerate(np.split(order, ends[:-1])):
         if not len(chosen):
             continue
+        material = materials[number // 2]
         rows, faces = _distinct(corners[triangles[chosen].reshape(-1)])
         vertex, coordinate, normal = rows.T
         part = Part(positions[vertex], faces.reshape(-1, 3), factor=np.array(material.color))
@@ -75,7 +76,7 @@ def read_obj(data: bytes, textures: Textures) -> list[Part]:
             part.normals[normal < 0] = np.nan
         if colors is not None:
             part.colors = colors[vertex]
-        if (coordinate >= 0).all():
+        if number % 2:
             part.uv = coordinates[coordinate] * material.scale + material.offset
             part.image = material.image(textures)
             if part.image is not None:
@@ -84,19 +85,11 @@ def read_obj(data: bytes, textures: Textures) -> list[Part]:
                 part.factor = np.ones(3)
                 tinted += [material] if material.color != (1, 1, 1) else []
         elif material.picture is not None:
-            bare.append(material)
+            textures.leave_out(material.picture)
         parts.append(part)
     if tinted:
         shown = " ".join(f"{value:.3g}" for value in tinted[0].color)
-        _note(
-            textures, f"its textures are taken alone, without the colour beside them (Kd {shown})"
-        )
-    if bare:
-        _note(
-            textures,
-            f"the texture of {len(bare)} materials ({excerpt(bare[0].name)}) is left out, as their "
-            "faces have no texture coordinates",
-        )
+        textures.note(f"its textures are taken alone, without the colour beside them (Kd {shown})")
     return parts
 
 
@@ -179,7 +172,7 @@ def _colors(said: _Statements, textures: Textures) -> Float[np.ndarray, "V 3"] |
         return None
     colors, bytes_ = unit_colors(np.array(said.colors).reshape(-1, 3), "vertex colours")
     if bytes_:
-        _note(textures, "its vertex colours exceed 1 and are taken to run from 0 to 255")
+        textures.note("its vertex colours exceed 1 and are taken to run from 0 to 255")
     return colors
 
 
@@ -194,9 +187,5 @@ def _materials(said: _Statements, textures: Textures) -> list[Material]:
     unknown = [name for name in said.names if name and name not in known]
     if unknown:
         shown = excerpt(unknown[0].decode("utf-8", "replace"))
-        _note(textures, f"{len(unknown)} materials ({shown}) are not defined and count as white")
+        textures.note(f"{len(unknown)} materials ({shown}) are not defined and count as white")
     return [known.get(name, white) for name in said.names]
-
-
-def _note(textures: Textures, text: str) -> None:
-    warnings.warn(f"{textures.mesh.name}: {text}", FileWarning, stacklevel=4)

@@ -1,7 +1,6 @@
 """PLY files, binary and as text."""
 
 import re
-import warnings
 from array import array
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -10,7 +9,7 @@ from urllib.parse import unquote
 import numpy as np
 from jaxtyping import Float, Integer
 
-from harmface.errors import FileError, FileWarning
+from harmface.errors import FileError
 from harmface.io.files import excerpt
 from harmface.io.meshes.part import Part, unit_colors
 from harmface.io.meshes.polygons import triangulate
@@ -104,7 +103,9 @@ def read_ply(data: bytes, textures: Textures) -> Part:
             part.uv = wedges[triangles.reshape(-1)]
         elif part.uv is not None:
             part.uv = part.uv[shared]
-    if pictures and textures.wanted and part.uv is not None:
+    if pictures and textures.wanted and part.uv is None:
+        textures.leave_out(", ".join(pictures))
+    elif pictures and textures.wanted:
         if len(pictures) > 1:
             raise FileError(
                 f"has {len(pictures)} textures; PLY files with one are read: export it as OBJ "
@@ -271,11 +272,7 @@ def _colors(rows: _Rows, textures: Textures) -> Float[np.ndarray, "N 3"] | None:
             return colors / np.iinfo(kind).max
         found, bytes_ = unit_colors(colors, "colours")
         if bytes_:
-            warnings.warn(
-                f"{textures.mesh.name}: its colours exceed 1 and are taken to run from 0 to 255",
-                FileWarning,
-                stacklevel=4,
-            )
+            textures.note("its colours exceed 1 and are taken to run from 0 to 255")
         return found
     return None
 

@@ -10,7 +10,7 @@ from jaxtyping import Float, Integer
 from harmface import checks
 from harmface.conventions import srgb_to_linear
 from harmface.errors import ArgumentError, FileError, FileWarning
-from harmface.geometry import Mesh, Texture, TextureImage, one_side, vertex_normals
+from harmface.geometry import Mesh, Texture, TextureImage, one_side, same_places, vertex_normals
 from harmface.geometry.mesh import checked_faces
 from harmface.io.files import PARSE_ERRORS, excerpt, read_bytes
 from harmface.io.meshes.gltf import read_gltf
@@ -91,8 +91,8 @@ def read_mesh(
             if not parts:
                 raise FileError("holds no faces; export the mesh with its triangles")
             if picture is not None:
-                _cover(parts, picture)
-            mesh = _joined(parts, path.name, flip_texture, srgb)
+                _cover(parts, picture, textures)
+            mesh = _joined(parts, textures, flip_texture, srgb)
     except FileError as error:
         named = str(error).startswith((f"{path}: ", f"{texture}: "))
         raise error if named else FileError(f"{path}: {error}") from None
@@ -103,19 +103,26 @@ def read_mesh(
         raise FileError(
             f"{path}: cannot be read as {suffix[1:].upper()}: {excerpt(said)}; export it again"
         ) from None
+    for note in textures.said():
+        warnings.warn(note, FileWarning, stacklevel=2)
     return mesh.flipped() if flip_normals else mesh
 
 
-def _cover(parts: list[Part], picture: TextureImage) -> None:
+def _cover(parts: list[Part], picture: TextureImage, textures: Textures) -> None:
     """Give a picture instead of their own colours to all parts that have texture coordinates."""
     covered = [part for part in parts if part.uv is not None]
     if not covered:
         raise FileError("texture needs a mesh with UV coordinates, this one has none")
     for part in covered:
         part.image, part.colors, part.factor = picture, None, np.ones(3)
+    if len(covered) < len(parts):
+        textures.note(
+            f"{len(parts) - len(covered)} of its {len(parts)} parts have no texture coordinates "
+            "and keep their own colours"
+        )
 
 
-def _joined(parts: list[Part], name: str, flip_texture: bool, srgb: bool) -> Mesh:
+def _joined(parts: list[Part], textures: Textures, flip_texture: bool, srgb: bool) -> Mesh:
     counts = [len(part.vertices) for part in parts]
     offsets = np.cumsum(counts) - counts
     for part, count in zip(parts, counts, strict=True):
@@ -123,11 +130,12 @@ def _joined(parts: list[Part], name: str, flip_texture: bool, srgb: bool) -> Mes
     vertices = checks.finite("vertices", np.concatenate([part.vertices for part in parts]))
     faces = np.concatenate([part.faces + o for part, o in zip(parts, offsets, strict=True)])
     owner = np.repeat(np.arange(len(parts)), [len(part.faces) for part in parts])
-    one, kept = one_side(vertices, faces)
+    position = same_places(vertices)
+    one, kept = one_side(vertices, faces, position)
     if not kept.all():
-        _note(f"{name}: {np.sum(~kept)} faces come twice, once each way round; one of each is kept")
+        textures.note(f"{np.sum(~kept)} faces come twice, once each way round; one of each is kept")
     faces, owner = one, owner[kept]
-    normals = _normals(parts, vertices, faces, name)
+    normals = _normals(parts, vertices, faces, position, textures)
     tint = np.concatenate([_tint(part, srgb) for part in parts])
     uv = np.concatenate(
         [np.zeros((n, 2)) if p.uv is None else p.uv for p, n in zip(parts, counts, strict=True)]
@@ -152,7 +160,8 @@ def _normals(
     parts: list[Part],
     vertices: Float[np.ndarray, "V 3"],
     faces: Integer[np.ndarray, "F 3"],
-    name: str,
+    position: Integer[np.ndarray, "V"],
+    textures: Textures,
 ) -> Float[np.ndarray, "V 3"]:
     """Return the unit normals that the parts have, computed where they have none."""
     given = np.concatenate(
@@ -169,11 +178,11 @@ def _normals(
     used[faces] = True
     broken = int(np.sum(lost & promised & used))
     if broken:
-        _note(
-            f"{name}: {broken} of {len(vertices)} normals are missing, zero or NaN; they are "
-            "computed from the faces"
+        textures.note(
+            f"{broken} of {len(vertices)} normals are missing, zero or NaN; they are computed "
+            "from the faces"
         )
-    return np.where(lost[:, None], vertex_normals(vertices, faces), given)
+    return np.where(lost[:, None], vertex_normals(vertices, faces, position), given)
 
 
 def _tint(part: Part, srgb: bool) -> Float[np.ndarray, "V 3"]:
@@ -181,7 +190,3 @@ def _tint(part: Part, srgb: bool) -> Float[np.ndarray, "V 3"]:
     linear = srgb_to_linear if srgb else np.asarray
     colors = np.ones((len(part.vertices), 3)) if part.colors is None else part.colors
     return linear(checks.non_negative("colours", colors)) * linear(part.factor)
-
-
-def _note(text: str) -> None:
-    warnings.warn(text, FileWarning, stacklevel=3)

@@ -1,14 +1,13 @@
 """The pictures that a mesh file names or holds."""
 
 import tempfile
-import warnings
 from pathlib import Path
 from urllib.parse import unquote
 
 import numpy as np
 from jaxtyping import Num
 
-from harmface.errors import ArgumentError, FileError, FileWarning
+from harmface.errors import ArgumentError, FileError
 from harmface.geometry import TextureImage
 from harmface.io.exr import read_exr
 from harmface.io.files import excerpt
@@ -22,7 +21,7 @@ _REPEAT = ("repeat", "repeat")
 
 
 class Textures:
-    """Decodes the textures of one mesh, each once.
+    """Decodes the textures of one mesh, each once, and gathers what there is to say of the mesh.
 
     Parameters
     ----------
@@ -39,10 +38,28 @@ class Textures:
     def __init__(self, mesh: Path, *, linear: bool, wanted: bool, max_pixels: int) -> None:
         self.mesh = mesh
         self.wanted = wanted
+        self.notes: list[str] = []
+        self._left_out: dict[str, None] = {}
         self._linear = linear
         self._decoded: dict[Path | str, Num[np.ndarray, "H W 3"]] = {}
         self._told: set[Path | str] = set()
         self._left = max_pixels
+
+    def note(self, text: str) -> None:
+        """Remember what was assumed or left out."""
+        self.notes.append(f"{self.mesh.name}: {text}")
+
+    def leave_out(self, name: str) -> None:
+        """Remember a texture that its faces have no coordinates for."""
+        self._left_out[name] = None
+
+    def said(self) -> list[str]:
+        """Return all that there is to say of the mesh."""
+        if not self._left_out:
+            return self.notes
+        names = excerpt(", ".join(self._left_out))
+        text = f"textures are left out where faces have no coordinates for them: {names}"
+        return [*self.notes, f"{self.mesh.name}: {text}"]
 
     def beside(
         self, name: str, wrap: tuple[str, str] = _REPEAT, *, deep_srgb: bool = False
@@ -109,11 +126,9 @@ class Textures:
         )
         if srgb and key not in self._told:
             self._told.add(key)
-            warnings.warn(
-                f"{self.mesh.name}: its texture {excerpt(name)} has {8 * codes.itemsize} bits and "
-                "is taken as sRGB; if it is linear, say so (--texture-linear)",
-                FileWarning,
-                stacklevel=2,
+            self.note(
+                f"its texture {excerpt(name)} has {8 * codes.itemsize} bits and is taken as sRGB; "
+                "if it is linear, say so (--texture-linear)"
             )
         try:
             return TextureImage(codes, srgb, wrap)
@@ -127,8 +142,7 @@ class Textures:
                 codes = _coloured(read_exr(path, max_pixels=self._left))
             else:
                 picture = read_picture(path, self._left, opaque=False)
-                for note in picture.notes:
-                    warnings.warn(note, FileWarning, stacklevel=2)
+                self.notes += picture.notes
                 deep = picture.codes.dtype.itemsize > 2 and picture.codes.dtype.kind != "f"
                 codes = _coloured(picture.values(srgb=False) if deep else picture.codes)
         except FileError as error:

@@ -21,12 +21,31 @@ WHITE = np.ones((3, 3))
         ({"normals": UP * 1.01}, "unit vectors"),
         ({"albedo": WHITE * 255}, "divide 8-bit colours by 255"),
         ({"albedo": -WHITE}, "must not be negative"),
+        ({"faces": FACE[..., :0]}, r"faces must have shape \(F, 3\), got \(1, 0\)"),
+        ({"faces": FACE[0]}, r"faces must have shape \(F, 3\), got \(3,\)"),
+        ({"faces": None}, r"faces must have shape \(F, 3\), got \(\)"),
+        ({"vertices": 1.0}, r"vertices must have shape \(..., 3\), got \(\)"),
+        ({"vertices": TRIANGLE[None]}, r"vertices must have shape \(V, 3\)"),
+        ({"normals": UP[:2]}, r"normals must have shape \(V, 3\) for all V vertices, got \(2, 3\)"),
+        ({"albedo": WHITE[:, :1]}, r"albedo must have shape \(V, 3\) .*, got \(3, 1\)"),
+        ({"albedo": WHITE[:0]}, r"albedo must have shape \(V, 3\) .*, got \(0, 3\)"),
     ],
 )
-def test_nonsense_is_refused(change, message):
+def test_nonsense_is_refused(unchecked, change, message):
     arrays = {"vertices": TRIANGLE, "faces": FACE, "normals": UP, "albedo": WHITE, **change}
     with pytest.raises(ArgumentError, match=message):
         Mesh(**arrays)
+
+
+def test_normals_of_no_mesh_are_refused(unchecked):
+    for vertices, faces, message in (
+        (1.0, FACE, "vertices must have shape"),
+        (TRIANGLE[:, :0], FACE, "vertices must have shape"),
+        (TRIANGLE, FACE[None], r"faces must have shape \(F, 3\)"),
+        (TRIANGLE, "x", r"faces must have shape \(F, 3\)"),
+    ):
+        with pytest.raises(ArgumentError, match=message):
+            vertex_normals(vertices, faces)
 
 
 def test_bounds_ignore_vertices_without_a_face():

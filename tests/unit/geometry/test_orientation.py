@@ -67,6 +67,15 @@ def test_a_ring_has_no_face():
     assert face_rotation(mesh_of(torus())) is None
 
 
+def test_a_plane_has_no_face_and_shows_nothing_edge_on():
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    plane = Mesh(corners, np.array([[0, 1, 2]]), np.tile([0.0, 0, 1], (3, 1)), np.ones((3, 3)))
+    assert face_rotation(plane) is None
+    assert outward_share(plane) == 1
+    with pytest.raises(ArgumentError, match="seen from the front"):
+        outward_share(plane.rotated(axis_rotations("y:90")))
+
+
 def test_what_points_to_the_viewer_is_counted():
     assert outward_share(BALL) > 0.99
     assert outward_share(BALL.flipped()) < 0.01

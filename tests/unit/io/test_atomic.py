@@ -117,19 +117,19 @@ def test_names_may_be_as_long_as_the_system_has_them(tmp_path):
         pass
 
 
-def test_devices_pipes_and_folders_are_not_written_over(tmp_path):
+def test_devices_pipes_and_folders_are_not_written_over(tmp_path, terminal):
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()
-    (tmp_path / "link").symlink_to("/dev/null")
+    (tmp_path / "link").symlink_to(terminal)
     for path, kind in (
-        ("/dev/null", "a device or a pipe"),
+        (terminal, "a device or a pipe"),
         (tmp_path / "link", "a device or a pipe"),
         (tmp_path / "pipe", "a device or a pipe"),
         (tmp_path / "folder", "a folder"),
     ):
         with pytest.raises(FileError, match=kind), atomic_write(path):
             pass
-    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)  # noqa: PTH116
+    assert terminal.is_char_device()
 
 
 def test_what_a_link_points_to_is_replaced_and_the_link_stays(tmp_path):

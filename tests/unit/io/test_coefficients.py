@@ -22,6 +22,7 @@ def test_what_is_written_is_read(tmp_path, rng):
         '{"coefficients": 1}',
         '{"coefficients": [1, 2, 3, 4]}',
         '{"coefficients": [[1, 2, 3]]}',
+        '{"coefficients": [[[1], [2], [3], [4]]]}',
         '{"coefficients": [[1, 2], [3]]}',
         '{"coefficients": [["a"]]}',
         '{"coefficients": [[NaN]]}',

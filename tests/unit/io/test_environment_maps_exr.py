@@ -1,5 +1,6 @@
 import contextlib
 import os
+import struct
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -138,6 +139,7 @@ def test_the_data_window_is_put_where_it_is_in_the_display_window(tmp_path, data
 def test_windows_that_do_not_meet_or_are_huge_are_refused(tmp_path):
     for data, display, said in (
         (window(20, 0, 8, 4), window(0, 0, 16, 8), "outside of its display"),
+        (window(0, 9, 8, 4), window(0, 0, 16, 8), "outside of its display"),
         (window(0, 0, 8, 4), window(0, 0, 16000, 8000), "more pixels than"),
     ):
         header = {"dataWindow": data, "displayWindow": display}
@@ -155,6 +157,36 @@ def test_luminance_and_chroma_become_red_green_blue(tmp_path):
     np.testing.assert_allclose(found, np.tile([red, green, blue], (4, 8, 1)), rtol=1e-3)
 
 
+def attribute(name, kind, data):
+    return name + b"\0" + kind + b"\0" + struct.pack("<I", len(data)) + data
+
+
+def test_chroma_of_fewer_pixels_is_refused_by_name(tmp_path):
+    """Uncompressed: each row's number, length, and its channels; chroma in every other row."""
+    sides = {b"BY": 2, b"RY": 2, b"Y": 1}
+    channels = b"".join(
+        name + b"\0" + struct.pack("<iiii", 2, 0, side, side) for name, side in sides.items()
+    )
+    window = struct.pack("<4i", 0, 0, 7, 3)
+    head = struct.pack("<II", 20000630, 2) + attribute(b"channels", b"chlist", channels + b"\0")
+    head += attribute(b"compression", b"compression", b"\0")
+    head += attribute(b"dataWindow", b"box2i", window) + attribute(
+        b"displayWindow", b"box2i", window
+    )
+    head += attribute(b"lineOrder", b"lineOrder", b"\0")
+    head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    head += attribute(b"screenWindowCenter", b"v2f", bytes(8))
+    head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
+    rows = [struct.pack("<ii", y, 4 * n) + bytes(4 * n) for y, n in enumerate((16, 8, 16, 8))]
+    starts = len(head) + 32 + np.cumsum([0, *map(len, rows[:-1])])
+    path = tmp_path / "a.exr"
+    path.write_bytes(head + starts.astype("<u8").tobytes() + b"".join(rows))
+    with OpenEXR.File(str(path)) as file:
+        assert file.channels()["RY"].pixels.shape == (2, 4)  # it is a sound file
+    with pytest.raises(FileError, match=r'Subsampled channels .*"BY" has sampling 2,2.*convert it'):
+        read_exr(path)
+
+
 def test_other_chromaticities_are_converted(tmp_path):
     rgb = {"R": 0.9505 * ONES, "G": ONES, "B": 1.089 * ONES}
     xyz = {"chromaticities": (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1 / 3, 1 / 3)}
@@ -164,12 +196,37 @@ def test_other_chromaticities_are_converted(tmp_path):
     aces = {"chromaticities": (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767)}
     found = read_exr(save(tmp_path / "aces.exr", (aces, {"R": ONES, "G": ONES, "B": ONES})))
     np.testing.assert_allclose(found, np.ones((4, 8, 3)), atol=1e-5)
-    found = read_exr(save(tmp_path / "red.exr", (aces, {"R": ONES, "G": 0 * ONES, "B": 0 * ONES})))
     # From the matrix that the Academy gives for AP0 to Rec. 709, adapted by Bradford.
-    np.testing.assert_allclose(found[0, 0], [2.5217, -0.2762, -0.0153], atol=0.02)
+    red = np.array([2.5217, -0.2762, -0.0153])
+    half = {"R": ONES, "G": ONES / 2, "B": ONES / 2}
+    found = read_exr(save(tmp_path / "reddish.exr", (aces, half)))
+    np.testing.assert_allclose(2 * found[0, 0] - 1, red, atol=0.02)
+    path = save(tmp_path / "red.exr", (aces, {"R": ONES, "G": 0 * ONES, "B": 0 * ONES}))
+    with pytest.warns(FileWarning, match=r"100\.00% of its pixels have colours beyond Rec\. 709"):
+        found = read_environment_map(path).as_image()
+    np.testing.assert_allclose(found[0, 0], np.maximum(red, 0), atol=0.02)
+    below = {name: -value for name, value in half.items()}
+    found = read_exr(save(tmp_path / "below.exr", (aces, below)))
+    np.testing.assert_allclose(-2 * found[0, 0] - 1, red, atol=0.02)
     same = {"chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)}
     path = save(tmp_path / "same.exr", (same, {"R": ONES, "G": 0 * ONES, "B": ONES}))
     np.testing.assert_array_equal(read_exr(path)[0, 0], [1, 0, 1])
+
+
+@pytest.mark.parametrize(
+    "chromaticities",
+    [
+        (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.9, 0.01),
+        (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3, 0.0),
+        (0.64, 0.33, 0.64, 0.33, 0.15, 0.06, 0.3, 0.3),
+        (np.nan, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3, 0.3),
+    ],
+)
+def test_chromaticities_of_no_colours_are_refused(tmp_path, chromaticities):
+    channels = {"R": ONES, "G": ONES, "B": ONES}
+    path = save(tmp_path / "a.exr", ({"chromaticities": chromaticities}, channels))
+    with pytest.raises(FileError, match="chromaticities must be those of"):
+        read_exr(path)
 
 
 def test_parts_layers_and_views_are_chosen(tmp_path):

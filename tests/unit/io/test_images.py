@@ -1,5 +1,6 @@
 import os
 import struct
+import tracemalloc
 import warnings
 import zlib
 from concurrent.futures import ThreadPoolExecutor
@@ -256,6 +257,45 @@ def test_oddities_of_jpeg_files_are_told(tmp_path, rng):
         read_image(path)
 
 
+def test_other_colours_in_tiff_files_are_told_or_refused(tmp_path):
+    grey = Image.fromarray(np.full((4, 4, 3), 128, np.uint8))
+    grey.convert("CMYK").save(tmp_path / "a.tif")
+    with pytest.warns(FileWarning, match=r"a\.tif: holds CMYK, turned to RGB"):
+        found = read_image(tmp_path / "a.tif")
+    np.testing.assert_allclose(found, 128 / 255, atol=0.01)
+    grey.convert("LAB").save(tmp_path / "a.tif")
+    with pytest.raises(FileError, match=r"a\.tif: holds the colours CIELAB; save it as"):
+        read_image(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize(
+    ("kind", "sample", "value"),
+    [
+        ("u4", 1, 0.75 * 2**32),
+        ("u2", 1, 0.75 * 2**16),
+        ("f4", 3, 0.75),
+        ("f2", 3, 0.75),
+        ("i2", 2, 1),
+        ("i1", 2, 1),
+    ],
+)
+def test_tiff_files_hold_numbers_of_many_kinds(tmp_path, kind, sample, value):
+    """TIFF 6.0: SampleFormat 1 means numbers without sign, 2 with one, 3 floating point."""
+    data = np.full((2, 3), value, f"<{kind}").tobytes()
+    tags = {256: 3, 257: 2, 258: 8 * int(kind[1]), 259: 1, 262: 1, 273: 8, 277: 1, 278: 2}
+    tags |= {279: len(data), 339: sample}
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, number) for tag, number in tags.items())
+    head = b"II*\0" + struct.pack("<I", 8 + len(data))
+    (tmp_path / "a.tif").write_bytes(
+        head + data + struct.pack("<H", len(tags)) + entries + bytes(4)
+    )
+    if sample == 2:
+        with pytest.raises(FileError, match="holds signed integers"):
+            read_image(tmp_path / "a.tif")
+    else:
+        np.testing.assert_allclose(read_image(tmp_path / "a.tif"), 0.75, atol=2e-5)
+
+
 def test_hundreds_of_scans_are_refused(tmp_path, rng):
     path = tmp_path / "a.jpg"
     picture = Image.fromarray(rng.integers(0, 256, (16, 16), dtype=np.uint8))
@@ -293,6 +333,19 @@ def test_reading_changes_nothing_that_other_threads_see(tmp_path, monkeypatch, r
     assert all(np.array_equal(image, codes / 255) for image in found)
 
 
+def test_pictures_of_other_formats_are_refused(tmp_path):
+    from harmface.io.exr import write_exr
+
+    write_exr(tmp_path / "a.exr", np.ones((2, 4), np.float32))
+    Image.fromarray(np.ones((2, 4), np.uint8)).save(tmp_path / "a.gif")
+    (tmp_path / "a.pam").write_bytes(
+        b"P7\nWIDTH 1\nHEIGHT 1\nDEPTH 1\nMAXVAL 255\nTUPLTYPE GRAYSCALE\nENDHDR\n\1"
+    )
+    for name in ("a.exr", "a.gif", "a.pam"):
+        with pytest.raises(FileError, match="its bytes are not PNG, TIFF, JPEG"):
+            read_image(tmp_path / name)
+
+
 def test_several_pages_are_refused(tmp_path):
     pages = [Image.fromarray(np.full((2, 2), value, np.uint8)) for value in (1, 2)]
     pages[0].save(tmp_path / "a.tiff", save_all=True, append_images=pages[1:])
@@ -307,6 +360,23 @@ def test_channels_are_red_green_blue(tmp_path):
     assert np.allclose(read_image(tmp_path / "a.png"), codes / 255)
     Image.fromarray(codes).save(tmp_path / "a.jpg", quality=100, subsampling=0)
     assert np.abs(read_image(tmp_path / "a.jpg") - codes / 255).max() < 0.02
+
+
+def test_other_channels_are_refused_before_they_are_decoded(tmp_path):
+    """A thousand channels of 500 x 500 pixels take 250 MB, and pack to some hundred kB."""
+    import OpenImageIO
+
+    spec = OpenImageIO.ImageSpec(500, 500, 1000, "uint8")
+    spec.attribute("compression", "zip")
+    target = OpenImageIO.ImageOutput.create("a.tif")
+    assert target.open(str(tmp_path / "a.tif"), spec)
+    assert target.write_image(np.zeros((500, 500, 1000), np.uint8))
+    target.close()
+    tracemalloc.start()
+    with pytest.raises(FileError, match=r"has the channels R, G, B, A, channel4.*grey or RGB"):
+        read_image(tmp_path / "a.tif")
+    assert tracemalloc.get_traced_memory()[1] < 2**24
+    tracemalloc.stop()
 
 
 def test_an_opaque_alpha_channel_is_dropped_and_another_refused(tmp_path):
@@ -368,9 +438,16 @@ def test_broken_bytes_raise_file_errors_only(tmp_path, rng, suffix, capfd):
         ("a.png", np.full((2, 2), np.nan), 8, ArgumentError),
         ("a.png", np.ones((2, 2, 2)), 8, ArgumentError),
         ("a.png", np.ones((2, 2)), 12, ArgumentError),
+        ("a.png", np.ones((0, 2)), 8, ArgumentError),
+        ("a.png", np.ones((2, 0, 3)), 8, ArgumentError),
+        ("a.png", np.ones(2), 8, ArgumentError),
+        ("a.png", np.ones((2, 2)) * 1j, 8, ArgumentError),
+        ("a.png", np.full((2, 2), 200, np.uint8), 8, ArgumentError),
+        ("a.png", np.ones((2, 2), bool), 8, ArgumentError),
+        ("a.png", np.ones((1, 1_000_001)), 8, ArgumentError),
     ],
 )
-def test_nonsense_is_not_written(tmp_path, name, image, bits, error):
+def test_nonsense_is_not_written(unchecked, tmp_path, name, image, bits, error):
     with pytest.raises(error):
         write_image(tmp_path / name, image, bits=bits)
     assert not list(tmp_path.iterdir())

@@ -223,3 +223,11 @@ def test_broken_bytes_raise_file_errors_only(tmp_path, rng):
         else:
             assert np.allclose(np.linalg.norm(found.directions, axis=1), 1)
     assert refused > 100
+
+
+def test_only_numbers_that_run_are_running_numbers(tmp_path):
+    """Here y z and the intensity are of unit length, too, but the first numbers do not run."""
+    (tmp_path / "a.txt").write_text(".6 0 .8 .6\n.28 0 .96 .28\n")
+    found = read_lights(tmp_path / "a.txt", 2)
+    np.testing.assert_allclose(found.directions, [[0.6, 0, 0.8], [0.28, 0, 0.96]])
+    np.testing.assert_allclose(found.intensities, [0.6, 0.28])

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harmface.errors import FileError, FileWarning
+from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io import choose_gallery, find_photographs, read_photographs
+from harmface.io.photo_sets import yale_light
 
 PATTERN = np.arange(24, dtype=np.uint8).reshape(4, 6) * 9
 
@@ -57,6 +58,34 @@ def test_links_to_folders_are_followed_and_never_in_a_circle(tmp_path):
     assert [photograph.subject for photograph in found] == ["anna", "bert"]
 
 
+@pytest.mark.parametrize("sessions", [False, True])
+def test_two_folders_of_one_of_yale_are_refused(tmp_path, sessions):
+    for folder in ("one/yaleB01", "two/yaleB01", "one/yaleB02"):
+        photograph(tmp_path / folder / f"{folder[4:]}_P00A+000E+00.png")
+    with pytest.raises(FileError, match=r"second folder of subject 'yaleB01'"):
+        find_photographs(tmp_path, sessions=sessions)
+
+
+def test_one_subject_or_none_is_no_set(tmp_path):
+    for name in ("anna/1.png", "anna/2.png", "loose.png"):
+        photograph(tmp_path / name)
+    with pytest.raises(FileError, match="holds photographs of fewer than two subjects"):
+        find_photographs(tmp_path)
+
+
+def test_a_set_of_which_nothing_can_be_read_is_refused(tmp_path):
+    for name in ("anna", "bert"):
+        photograph(tmp_path / name / "1.png").write_bytes(b"no picture")
+    bad = []
+    with pytest.raises(ArgumentError, match="at least one that can be read"):
+        read_photographs(find_photographs(tmp_path), bad=bad.append)
+    assert len(bad) == 2
+
+
+def test_other_names_tell_no_light():
+    assert yale_light("anna.png") is yale_light("yaleB01_P00A+000E+00.txt") is None
+
+
 def test_sessions_of_a_person_are_asked_for(tmp_path):
     for name in ("anna/day1/1.png", "anna/day2/1.png", "bert/day1/1.png", "bert/1.png"):
         photograph(tmp_path / name)
@@ -105,7 +134,7 @@ def test_photographs_are_stretched_only_with_a_word_and_all_alike(tmp_path):
     assert len(kept) == 2 and len(skipped) == 1
 
 
-def test_a_list_names_photographs_with_or_without_their_folders(tmp_path):
+def test_a_list_names_photographs_with_or_without_their_folders(tmp_path, monkeypatch):
     for person in ("yaleB01", "yaleB02"):
         for light in ("A+000E+00", "A+035E+40"):
             photograph(tmp_path / "set" / person / f"{person}_P00{light}.pgm")
@@ -121,6 +150,10 @@ def test_a_list_names_photographs_with_or_without_their_folders(tmp_path):
     ):
         listed.write_text(f"\ufeff{first}\r\nyaleB02/yaleB02_P00A+000E+00.pgm\r\n")
         np.testing.assert_array_equal(choose_gallery(found, str(listed)), wanted)
+    monkeypatch.chdir(tmp_path)
+    listed.write_text(f"{found[0].path}\n{found[2].path}\n")
+    relative = find_photographs("set")
+    np.testing.assert_array_equal(choose_gallery(relative, str(listed)), wanted)
     listed.write_text("yaleB02/yaleB01_P00A+000E+00.pgm\n")
     with pytest.raises(FileError, match="not among the photographs"):
         choose_gallery(found, str(listed))

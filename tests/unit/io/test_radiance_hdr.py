@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harmface.errors import FileError
+from harmface.errors import FileError, FileWarning
 from harmface.io.radiance_hdr import read_radiance_hdr
 
 RGBE = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"
@@ -115,10 +115,13 @@ def test_xyz_is_expressed_in_rec_709(tmp_path):
 def test_other_primaries_keep_white_and_are_converted(tmp_path):
     """The red of Rec. 2020 is 1.6605 of the red of Rec. 709 (ITU-R BT.2087, D65 both)."""
     rec2020 = "PRIMARIES=0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.3290\n"
-    red = bytes([128, 0, 0, 129])
-    found = read(tmp_path, f"{RGBE}{rec2020}\n-Y 1 +X 2\n", red + ONE)
-    np.testing.assert_allclose(found[0, 0], [1.6605, -0.1246, -0.0182], atol=1e-4)
+    reddish = bytes([128, 64, 64, 129])  # half of white, half of red
+    found = read(tmp_path, f"{RGBE}{rec2020}\n-Y 1 +X 2\n", reddish + ONE)
+    np.testing.assert_allclose(2 * found[0, 0] - 1, [1.6605, -0.1246, -0.0182], atol=1e-4)
     np.testing.assert_allclose(found[0, 1], [1, 1, 1], atol=1e-6)
+    with pytest.warns(FileWarning, match=r"50\.00% of its pixels have colours beyond Rec\. 709"):
+        found = read(tmp_path, f"{RGBE}{rec2020}\n-Y 1 +X 2\n", bytes([128, 0, 0, 129]) + ONE)
+    np.testing.assert_allclose(found[0], [[1.6605, 0, 0], [1, 1, 1]], atol=1e-4)
     equal_energy = "PRIMARIES=.64 .33 .29 .6 .15 .06 .3333 .3333\n"
     found = read(tmp_path, f"{RGBE}{equal_energy}\n-Y 1 +X 2\n", ONE * 2)
     np.testing.assert_allclose(found, np.ones((1, 2, 3)), atol=1e-5)
@@ -131,6 +134,9 @@ def test_other_primaries_keep_white_and_are_converted(tmp_path):
         ("-Y 2 +X 4", ONE + bytes([1, 1, 1, 255]) * 4, "2 \\* 4|8 are promised"),
         ("-Y 2 +X 4", ONE + bytes([1, 1, 1, 1]) * 5, "more than four bytes"),
         ("-Y 2 +X 4", ONE + bytes([1, 1, 1, 6]), "8 are promised"),
+        ("-Y 2 +X 4", ONE * 8 + bytes([1, 1, 1, 0]) + ONE, "8 are promised"),
+        ("-Y 2 +X 8", bytes([2, 2, 0, 8, *4 * [136, 1], 2, 2, 0, 9]), "another length"),
+        ("-Y 2 +X 8", bytes([2, 2, 0, 8, *4 * [136, 1], 2, 2]), "cut off"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "no length"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 137, 0, 136, 0, 136, 0, 136, 0]), "longer than"),
         ("-Y 1 +X 8", bytes([2, 2, 0, 8, 136, 0, 136, 0, 136, 0, 8, 0, 0, 0]), "cut off"),
@@ -139,6 +145,26 @@ def test_other_primaries_keep_white_and_are_converted(tmp_path):
 def test_runs_that_do_not_fit_are_refused(tmp_path, size, pixels, said):
     with pytest.raises(FileError, match=said):
         read(tmp_path, f"{RGBE}\n{size}\n", pixels)
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("EXPOSURE=1e200\nEXPOSURE=1e200\n", r"EXPOSURE and COLORCORR multiply to \[inf"),
+        ("EXPOSURE=1e-200\nEXPOSURE=1e-200\n", r"EXPOSURE and COLORCORR multiply to \[0\.0"),
+        ("EXPOSURE=-1\n", "EXPOSURE is not a positive number, but '-1'"),
+        ("EXPOSURE=1 2\n", "EXPOSURE is not a positive number"),
+        ("COLORCORR=1 2\n", "COLORCORR is not 3 positive numbers"),
+        ("COLORCORR=1 x 2\n", "COLORCORR is not 3 positive numbers"),
+        ("PRIMARIES=\n", "PRIMARIES are not eight numbers"),
+        ("PRIMARIES=.64 .33 x .6 .15 .06 .3 .3\n", "PRIMARIES are not eight numbers"),
+        ("PRIMARIES=.64 .33 .64 .33 .15 .06 .3 .3\n", "PRIMARIES are of no use"),
+        ("FORMAT=32-bit_rle_xyze\n", "holds 32-bit_rle_rgbe, 32-bit_rle_xyze"),
+    ],
+)
+def test_variables_that_make_no_sense_are_refused(tmp_path, lines, said):
+    with pytest.raises(FileError, match=said):
+        read(tmp_path, f"{RGBE}{lines}\n-Y 2 +X 4\n", ONE * 8)
 
 
 def test_a_larger_picture_is_read_if_asked_for(tmp_path):

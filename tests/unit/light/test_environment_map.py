@@ -27,6 +27,12 @@ def test_images_have_channels_last_and_radiance_first():
     assert (cube.radiance.shape, cube.height) == ((3, 6, 2, 2), 2)
 
 
+@pytest.mark.parametrize("shape", [(0, 0, 3), (4, 8, 0), (0, 8)])
+def test_maps_without_pixels_are_refused(unchecked, shape):
+    with pytest.raises(ArgumentError, match=r"radiance must hold some pixels"):
+        EnvironmentMap.from_image(np.ones(shape))
+
+
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_total_is_the_integral_of_radiance(layout):
     form = LAYOUTS[layout]

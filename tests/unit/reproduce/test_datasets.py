@@ -1,5 +1,6 @@
 import filecmp
 import json
+import os
 import subprocess
 import sys
 import time
@@ -7,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import ArgumentError, FileError, HarmfaceError
 from harmface.io import read_dataset, read_mesh, read_npz
 from harmface.reproduce.datasets import Request, environment_lights, make_dataset
 
@@ -75,6 +76,12 @@ def test_a_killed_run_goes_on_and_ends_with_the_same_bytes(made, tmp_path, worke
 def test_workers_make_the_same_bytes(made, tmp_path):
     make_dataset(tmp_path / "set", SMALL, workers=2)
     assert same(made, tmp_path / "set")
+
+
+def test_a_worker_that_ends_by_itself_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr("harmface.reproduce.datasets._exit_with_parent", os.abort)
+    with pytest.raises(HarmfaceError, match=r"set: a process .* has ended, as .* memory runs out"):
+        make_dataset(tmp_path / "set", SMALL, workers=2)
 
 
 def test_a_finished_set_is_left_as_it_is(made):

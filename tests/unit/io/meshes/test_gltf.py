@@ -298,6 +298,16 @@ def test_what_is_left_out_is_said(tmp_path):
         read_mesh(path)
 
 
+def test_a_texture_without_coordinates_is_said(tmp_path):
+    glb = pictured(np.full((2, 2, 3), 9, np.uint8), texture={"texCoord": 1})
+    attributes = {"POSITION": glb.add(TRIANGLE), "TEXCOORD_0": glb.add(TRIANGLE[:, :2])}
+    path = glb.write(tmp_path / "a.glb", {"attributes": attributes, "material": 0})
+    with pytest.warns(FileWarning) as notes:
+        mesh = read_mesh(path)
+    assert (mesh.albedo == 1).all()
+    assert any("left out where faces have no" in str(note.message) for note in notes)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -332,6 +342,158 @@ def test_broken_json_is_refused(tmp_path, text, message):
     with pytest.raises(FileError, match=message) as error:
         read_mesh(path)
     assert len(str(error.value)) < 400
+
+
+def sound():
+    """Return a file with indices, normals and a texture that wraps."""
+    glb = pictured(np.full((2, 2, 3), 51, np.uint8), sampler={"wrapS": 33071})
+    attributes = {
+        "POSITION": glb.add(TRIANGLE),
+        "NORMAL": glb.add(np.tile(RGB[2], (3, 1))),
+        "TEXCOORD_0": glb.add(TRIANGLE[:, :2].copy()),
+    }
+    indices = glb.add(np.uint8([0, 1, 2]))
+    glb.tree["nodes"] = [{"mesh": 0}]
+    glb.tree["meshes"] = [
+        {"primitives": [{"attributes": attributes, "indices": indices, "material": 0}]}
+    ]
+    return glb
+
+
+PRIMITIVE = ("meshes", 0, "primitives", 0)
+MODEL = ("materials", 0, "pbrMetallicRoughness")
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        (("accessors", 0, "byteOffset"), -4, "byteOffset is -4"),
+        (("accessors", 0, "count"), 1.5, r"count is 1\.5"),
+        (("accessors", 0, "count"), "x" * 999, "count is x{200}"),
+        (("accessors", 0, "count"), 4, "promises 4 elements in 36 bytes"),
+        (("accessors", 0, "type"), "MAT2", "an accessor is 'MAT2'"),
+        (("accessors", 0, "type"), "VEC2", "accessor 0 is no VEC3"),
+        (("accessors", 0, "bufferView"), 99, "bufferViews has no 99"),
+        (("accessors", 1, "count"), 2, "2 values for 3 vertices"),
+        (("accessors", 3, "componentType"), 5126, "promises 3 elements in 3 bytes"),
+        ((*PRIMITIVE, "indices"), 0, "accessor 0 holds no indices"),
+        ((*PRIMITIVE, "attributes"), [], "attributes is no object"),
+        ((*PRIMITIVE, "material"), 9, "materials has no 9"),
+        (("bufferViews", 1, "byteLength"), 10**6, "ends within buffer view 1"),
+        (("bufferViews", 1, "byteStride"), 4, "promises 3 elements in 36 bytes"),
+        (("bufferViews", 1, "byteOffset"), -1, "byteOffset is -1"),
+        (("bufferViews", 1, "extensions"), {"EXT_meshopt_compression": {}}, "by EXT_meshopt"),
+        (("buffers",), [{"uri": "http://x/a.bin"}], "names http://x/a.bin; save it beside"),
+        (("buffers",), [{"uri": "data:x;base64,@@"}], "no base64"),
+        (("images", 0), {"uri": "https://x/a.png"}, "names https://x/a.png; save it beside"),
+        (("textures", 0), {"extensions": {"KHR_texture_basisu": {}}}, "that only KHR_texture_bas"),
+        (("textures", 0), {}, "a texture that only nothing tells"),
+        (("samplers", 0, "wrapS"), 5, "wraps in no known way"),
+        ((*MODEL, "baseColorFactor"), [2, 0, 0, 1], r"not RGBA in \[0, 1\]"),
+        ((*MODEL, "baseColorFactor"), [0.5, 0.5], r"not RGBA in \[0, 1\]"),
+        ((*MODEL, "baseColorTexture", "texCoord"), -1, "texCoord is -1"),
+        (("nodes", 0), 5, "nodes 0 is no object"),
+        (("nodes", 0, "mesh"), -1, "meshes has no -1"),
+        (("nodes", 0, "translation"), [0, float("nan"), 0], "vertices must be finite"),
+        (("nodes", 0, "matrix"), [1, 2, 3], "reshape"),
+    ],
+)
+def test_what_a_file_cannot_mean_is_refused(tmp_path, place, value, message):
+    glb = sound()
+    glb.write(tmp_path / "a.glb")
+    assert np.allclose(_linear(tmp_path / "a.glb").albedo, 0.2)
+    node = glb.tree
+    for key in place[:-1]:
+        node = node[key]
+    node[place[-1]] = value
+    buffers = glb.tree["buffers"]
+    path = glb.write(tmp_path / "a.glb")
+    if place == ("buffers",):
+        # The data stay where they are; only what is said of them changes.
+        text = path.read_bytes().replace(
+            json.dumps(glb.tree["buffers"]).encode(), json.dumps(buffers).encode()
+        )
+        (tmp_path / "a.gltf").write_bytes(text[20 : text.index(b"BIN\0") - 4])
+        path = tmp_path / "a.gltf"
+    with pytest.raises(FileError, match=message) as error:
+        read_mesh(path, texture_linear=True)
+    assert len(str(error.value)) < 400
+
+
+def test_zeros_that_no_bytes_stand_for_are_bounded(tmp_path):
+    glb = sound()
+    where, what = glb.view(np.uint8([2]).tobytes()), glb.view(np.float32([[0, 7, 0]]).tobytes())
+    sparse = {"count": 1, "indices": {"bufferView": where, "componentType": 5121}}
+    sparse["values"] = {"bufferView": what}
+    accessor = {"count": 3, "type": "VEC3", "componentType": 5126, "sparse": sparse}
+    glb.tree["accessors"][0] = accessor
+    found = _linear(glb.write(tmp_path / "a.glb"))
+    assert np.array_equal(found.vertices, [[0, 0, 0], [0, 0, 0], [0, 7, 0]])
+    accessor["count"] = 10**12
+    with pytest.raises(FileError, match=r"promises 1000000000000 elements that it does not have"):
+        read_mesh(glb.write(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda data: b"glTX" + data[4:], "is not a GLB file, or is cut off"),
+        (lambda data: data[:19], "is not a GLB file, or is cut off"),
+        (lambda data: data[:4] + struct.pack("<I", 1) + data[8:], "GLB file of version 2"),
+        (lambda data: data[:16] + b"JSOM" + data[20:], "GLB file of version 2"),
+        (lambda data: data[:200], "GLB file of version 2, or is cut off"),
+        (lambda data: data[:-40], "is a GLB file that is cut off"),
+    ],
+)
+def test_a_glb_file_is_whole(tmp_path, change, message):
+    path = sound().write(tmp_path / "a.glb")
+    path.write_bytes(change(path.read_bytes()))
+    with pytest.raises(FileError, match=message):
+        read_mesh(path)
+
+
+def test_a_glb_file_may_have_the_name_of_a_text(tmp_path):
+    path = sound().write(tmp_path / "a.glb").rename(tmp_path / "a.gltf")
+    assert np.allclose(_linear(path).albedo, 0.2)
+
+
+def test_points_and_lines_are_passed_over(tmp_path):
+    glb = sound()
+    glb.tree["meshes"][0]["primitives"][:0] = [
+        {"attributes": {"POSITION": 0}, "mode": mode} for mode in range(4)
+    ]
+    assert len(_linear(glb.write(tmp_path / "a.glb")).faces) == 1
+
+
+def test_only_the_scene_that_is_named_is_read(tmp_path):
+    glb = sound()
+    glb.tree["nodes"] = [{"mesh": 0}, {"mesh": 0, "translation": [5, 0, 0]}, {"children": [1]}]
+    glb.tree |= {"scenes": [{"nodes": [0]}, {"nodes": [2]}], "scene": 1}
+    mesh = _linear(glb.write(tmp_path / "a.glb"))
+    assert np.array_equal(mesh.vertices, TRIANGLE + np.float32([5, 0, 0]))
+    for name in ("scenes", "scene"):
+        del glb.tree[name]
+    # Without scenes all roots are.
+    assert len(_linear(glb.write(tmp_path / "a.glb")).faces) == 2
+
+
+def test_a_matrix_of_a_node_is_stored_by_columns(tmp_path):
+    glb = sound()
+    glb.tree["nodes"][0]["matrix"] = [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1]
+    mesh = _linear(glb.write(tmp_path / "a.glb"))
+    assert np.array_equal(mesh.vertices, [[1, 2, 3], [1, 4, 3], [-1, 2, 3]])
+
+
+def test_older_materials_and_webp_are_read(tmp_path):
+    glb = sound()
+    older = {"diffuseFactor": [0.5, 1, 1, 1], "diffuseTexture": {"index": 0}}
+    glb.tree["materials"] = [{"extensions": {"KHR_materials_pbrSpecularGlossiness": older}}]
+    file = BytesIO()
+    Image.fromarray(np.full((2, 2, 3), 102, np.uint8)).save(file, "WEBP", lossless=True)
+    glb.tree["images"].append({"bufferView": glb.view(file.getvalue())})
+    glb.tree["textures"] = [{"source": 0, "extensions": {"EXT_texture_webp": {"source": 1}}}]
+    mesh = _linear(glb.write(tmp_path / "a.glb"))
+    assert np.allclose(mesh.albedo, [[0.2, 0.4, 0.4]], atol=1e-6)
 
 
 def test_meshes_that_are_placed_too_often_are_refused(tmp_path):

@@ -110,6 +110,17 @@ def test_textures_lie_as_the_material_says(tmp_path, options, codes):
     assert np.allclose(mesh.albedo[:, 0] * 255, codes)
 
 
+def test_materials_may_stand_in_several_files(tmp_path):
+    written(tmp_path / "a.mtl", "Kd 1 1 1\nmap_Kd x.png\nnewmtl a\nKd .5\n")
+    written(tmp_path / "b.mtl", "newmtl b\nKd .1 .2 .3 .4\n")
+    text = "mtllib a.mtl b.mtl\nusemtl a\n" + TRIANGLE + "f 1 2 3\nv 0 0 5\nusemtl b\nf 1 2 4\n"
+    mesh = read_mesh(written(tmp_path / "a.obj", text))
+    colours = {tuple(np.round(face[0], 9)) for face in mesh.albedo[mesh.faces]}
+    assert colours == {(0.5, 0.5, 0.5), (0.1, 0.2, 0.3)}
+    with pytest.warns(FileWarning, match=r"1 materials \(c d\) are not defined and count as white"):
+        read_mesh(written(tmp_path / "a.obj", text + "usemtl c d\nf 1 2 3\n"))
+
+
 def test_a_texture_is_found_beside_the_mesh(tmp_path):
     Image.fromarray(CODES).save(tmp_path / "skin.png")
     written(tmp_path / "a.mtl", "newmtl a\nmap_Kd C:\\models\\ann\\skin.png\n")
@@ -140,7 +151,7 @@ def test_a_colour_beside_a_texture_is_left_out_and_said(tmp_path):
 def test_a_texture_without_coordinates_is_said(tmp_path):
     written(tmp_path / "a.mtl", "newmtl a\nKd .2 .2 .2\nmap_Kd skin.png\n")
     path = written(tmp_path / "a.obj", "mtllib a.mtl\nusemtl a\n" + TRIANGLE + "f 1 2 3\n")
-    with pytest.warns(FileWarning, match="no texture coordinates"):
+    with pytest.warns(FileWarning, match="a.obj: textures are left out.*: skin.png"):
         mesh = read_mesh(path)
     assert np.allclose(mesh.albedo, 0.2)
 
@@ -184,6 +195,9 @@ def test_lines_may_be_continued_and_end_in_any_way(tmp_path, end):
         ("f 1/1 2/1 3/1", "texture coordinate 1 of 0"),
         ("f 1//1 2//1 3//1", "normal 1 of 0"),
         ("f 1 2 x", "line 4 cannot be read: f 1 2 x"),
+        ("f /1 2 3", "line 4 cannot be read: f /1 2 3"),
+        ("f 1/1/1/1 2 3", "line 4 cannot be read: f 1/1/1/1 2 3"),
+        ("v nan 0 0\nf 1 2 3 4", "finite"),
         ("f 1 2 99999999999999999999999999", "line 4 cannot be read"),
         ("v 1e400 0 0\nf 1 2 4", "finite"),
         ("v 0 0 0 300 0 0\nf 1 2 3", "vertex colours must lie in"),
@@ -194,6 +208,19 @@ def test_broken_lines_are_refused(tmp_path, line, message):
     with pytest.raises(FileError, match=message) as error:
         read_mesh(written(tmp_path / "a.obj", TRIANGLE + line + "\n"))
     assert len(str(error.value)) < 500
+
+
+def test_combs_of_too_many_teeth_are_refused(tmp_path):
+    for teeth, corners in ((999, 2000), (5000, 10_002)):
+        points = [f"v {x} {1 + x % 2} 0\n" for x in range(2 * teeth)]
+        points += [f"v {2 * teeth} 0 0\n", "v 0 0 0\n"]
+        face = "f " + " ".join(str(n) for n in range(len(points), 0, -1))
+        path = written(tmp_path / "a.obj", "".join(points) + face)
+        if corners <= 10_000:
+            assert len(read_mesh(path).faces) == corners - 2
+        else:
+            with pytest.raises(FileError, match=r"not convex has 10002 corners, more than 10000"):
+                read_mesh(path)
 
 
 @pytest.mark.parametrize("name", ["mtllib pipe", "mtllib a.mtl\nusemtl a"])
@@ -246,3 +273,15 @@ def test_a_concave_face_of_very_many_corners_is_refused(tmp_path):
     path = written(tmp_path / "a.obj", lines + f"f {' '.join(map(str, range(1, 20_001)))}\n")
     with pytest.raises(FileError, match="20000 corners"):
         read_mesh(path)
+
+
+def test_faces_without_coordinates_leave_the_texture_to_the_others(tmp_path):
+    Image.fromarray(np.full((4, 4), 51, np.uint8)).save(tmp_path / "skin.png")
+    written(tmp_path / "a.mtl", "newmtl a\nKd .5 .5 .5\nmap_Kd skin.png\n")
+    text = "mtllib a.mtl\nusemtl a\n" + TRIANGLE + "vt 0 0\nf 1/1 2/1 3/1\nv 0 0 5\nf 1 2 4\n"
+    with pytest.warns(FileWarning) as notes:
+        mesh = read_mesh(written(tmp_path / "a.obj", text), texture_linear=True)
+    assert any("textures are left out" in str(note.message) for note in notes)
+    of_face = mesh.albedo[mesh.faces][:, 0, 0]
+    assert sorted(of_face) == pytest.approx([0.2, 0.5])
+    assert (mesh.texture.image >= 0).sum() == 1

@@ -153,6 +153,15 @@ THREE = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
         (HEAD + FLOATS + FACES + THREE + b"\x03" + struct.pack("<3i", 0, 1, 3), "vertex 4 of 3"),
         (HEAD + FLOATS + FACES + THREE + b"\x03" + struct.pack("<3i", 0, 1, -1), "vertex -1 of 3"),
         (HEAD + FLOATS + b"end_header\n" + THREE, "no faces"),
+        (HEAD + FLOATS + FACES.replace(b"uchar", b"char") + THREE + b"\xff" * 5, "list of -1 val"),
+        (
+            HEAD + FLOATS + FACES.replace(b"uchar", b"float") + THREE + struct.pack("<fi", 1.5, 0),
+            "list of 1.5 val",
+        ),
+        (HEAD + FLOATS.replace(b" x", b" w") + FACES + THREE + b"\0" * 99, "has no positions"),
+        (HEAD + FLOATS + FACES.replace(b"vertex_", b"my_") + THREE + b"\0" * 99, "no vertex_ind"),
+        (HEAD + FLOATS + FACES + b"\xff" * 36 + b"\3" + struct.pack("<3i", 0, 1, 2), "finite"),
+        (HEAD + FLOATS + FACES + THREE + b"\x64" + b"\0" * 40, "ends within its elements"),
         (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\nx\n", "PLY: x"),
     ],
 )
@@ -160,3 +169,31 @@ def test_broken_files_are_refused(tmp_path, data, message):
     (tmp_path / "a.ply").write_bytes(data)
     with pytest.raises(FileError, match=message):
         read_mesh(tmp_path / "a.ply")
+
+
+def test_colours_and_textures_that_cannot_be_meant_are_refused(tmp_path):
+    path = tmp_path / "a.ply"
+    reds = [*XYZ, *(("float", name) for name in ("red", "green", "blue"))]
+    ply(path, "", reds, np.hstack([POINTS, np.full((4, 3), 300)]).tolist(), [[0, 1, 2]])
+    with pytest.raises(FileError, match=r"colours must lie in \[0, 1\] or \[0, 255\], got 300"):
+        read_mesh(path)
+    ply(path, "", reds, np.hstack([POINTS, np.full((4, 3), 51)]).tolist(), [[0, 1, 2]])
+    with pytest.warns(FileWarning, match="colours exceed 1 and are taken to run from 0 to 255"):
+        assert np.allclose(read_mesh(path).albedo, 0.2)
+    uv = [("list uchar float", "texcoord")]
+    ply(path, "", XYZ, POINTS, [[0, 1, 2]], face_properties=uv, face_rows=[[[0.0, 1.0]]])
+    with pytest.raises(FileError, match="coordinates are not two for each corner"):
+        read_mesh(path)
+    rows = [[[0.0] * 6]]
+    two = "comment TextureFile a.png\ncomment TextureFile b.png\n"
+    ply(path, "", XYZ, POINTS, [[0, 1, 2]], face_properties=uv, face_rows=rows, comment=two)
+    with pytest.raises(FileError, match="has 2 textures"):
+        read_mesh(path)
+
+
+def test_a_texture_without_coordinates_is_said(tmp_path):
+    path = ply(
+        tmp_path / "a.ply", "", XYZ, POINTS, [[0, 1, 2]], comment="comment TextureFile s.png\n"
+    )
+    with pytest.warns(FileWarning, match=r"a\.ply: textures are left out .*: s\.png$"):
+        assert (read_mesh(path).albedo == 1).all()

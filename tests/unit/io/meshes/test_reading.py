@@ -89,6 +89,16 @@ def test_a_texture_is_turned_over(tmp_path, pictured):
         assert np.allclose(mesh.albedo[:, 0] * 255, codes)
 
 
+def test_parts_that_a_texture_does_not_cover_are_said(tmp_path):
+    bare = "v 0 0 5 .2 .3 .4\nv 1 0 5 .2 .3 .4\nv 0 1 5 .2 .3 .4\nusemtl b\nf -3 -2 -1\n"
+    (tmp_path / "a.obj").write_text(PICTURED + "f 1/1 2/2 3/3\n" + bare)
+    Image.fromarray(np.full((4, 4), 51, np.uint8)).save(tmp_path / "t.png")
+    with pytest.warns(FileWarning, match=r"a\.obj: 1 of its 2 parts have no texture coordinates"):
+        mesh = read_mesh(tmp_path / "a.obj", texture=tmp_path / "t.png", texture_linear=True)
+    assert np.allclose(mesh.albedo[mesh.vertices[:, 2] == 0], 0.2)
+    assert np.allclose(mesh.albedo[mesh.vertices[:, 2] == 5], [0.2, 0.3, 0.4])
+
+
 def test_a_picture_between_the_vertices_is_seen_by_the_g_buffer(tmp_path):
     (tmp_path / "a.obj").write_text(
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n"
