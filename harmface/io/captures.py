@@ -147,7 +147,9 @@ def _listed(folder: Path) -> list[Path]:
     names = [line.strip() for line in lines if line.strip()]
     bad = next((name for name in names if not is_file_name(name)), None)
     if not names or bad is not None:
-        raise FileError(f"{path}: must list plain file names, a line each, got {excerpt(bad)!r}")
+        raise FileError(
+            f"{path}: must list plain file names, a line each, got {excerpt(repr(bad))}"
+        )
     return [folder / name for name in names]
 
 

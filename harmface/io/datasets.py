@@ -62,7 +62,7 @@ class Dataset:
                 row[lit] = image["irradiances"]["value"]
         except PARSE_ERRORS as error:
             raise FileError(
-                f"{self.folder / MANIFEST}: has no lights of use for {excerpt(subject)!r} "
+                f"{self.folder / MANIFEST}: has no lights of use for {excerpt(repr(subject))} "
                 f"({excerpt(error)})"
             ) from None
         return directions, irradiances

@@ -72,7 +72,7 @@ def read_radiance_hdr(
         for channel in range(3):
             np.multiply(some[..., channel], factors, out=image[first : first + step, :, channel])
     if (header.exposure != 1).any():
-        image /= header.exposure.astype(np.float32)
+        image /= header.exposure
     return image if header.matrix is None else in_rec709(path, image, header.matrix)
 
 

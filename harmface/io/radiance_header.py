@@ -111,9 +111,11 @@ def _exposure(path: Path | str, variables: list[tuple[str, str]]) -> Float[np.nd
                 found *= _numbers(path, name, value, 1)
             elif name == "COLORCORR":
                 found *= _numbers(path, name, value, 3)
-    if not (np.isfinite(found) & (found > 0)).all():
+        # Values are of single precision.
+        single = found.astype(np.float32)
+    if not (np.isfinite(single) & (single > 0)).all():
         raise FileError(f"{path}: its EXPOSURE and COLORCORR multiply to {found.tolist()}")
-    return found
+    return single
 
 
 def _numbers(path: Path | str, name: str, value: str, count: int) -> Float[np.ndarray, "n"]:
@@ -124,7 +126,7 @@ def _numbers(path: Path | str, name: str, value: str, count: int) -> Float[np.nd
         numbers = np.full(count, math.nan)
     if len(numbers) != count or not (np.isfinite(numbers) & (numbers >= 0)).all():
         words = "a positive number" if count == 1 else f"{count} positive numbers"
-        raise FileError(f"{path}: its {name} is not {words}, but {excerpt(value)!r}")
+        raise FileError(f"{path}: its {name} is not {words}, but {excerpt(repr(value))}")
     return np.where(numbers == 0, 1, numbers)
 
 
@@ -144,7 +146,9 @@ def _matrix(
     if not any(chromaticities) and len(chromaticities) == 8:
         return None  # Programs write zeros for "unknown" here too.
     if len(chromaticities) != 8:
-        raise FileError(f"{path}: its PRIMARIES are not eight numbers, but {excerpt(stated[-1])!r}")
+        raise FileError(
+            f"{path}: its PRIMARIES are not eight numbers, but {excerpt(repr(stated[-1]))}"
+        )
     try:
         return to_rec709(chromaticities)
     except ArgumentError as error:

@@ -216,7 +216,7 @@ def test_lists_of_names_are_checked(tmp_path):
     photograph(tmp_path / "a b.png", 9)
     (tmp_path / "filenames.txt").write_text("a b.png\n")
     assert read_capture([tmp_path]).names == ("a b.png",)
-    for text in ("../a.png", "a\0b.png", "\n", "x" * 5000 + "/y"):
+    for text in ("../a.png", "a\0b.png", "\n", "x" * 5000 + "/y", "\0" * 190):
         (tmp_path / "filenames.txt").write_text(text)
         with pytest.raises(FileError, match="plain file names") as error:
             read_capture([tmp_path])

@@ -152,6 +152,9 @@ def test_runs_that_do_not_fit_are_refused(tmp_path, size, pixels, said):
     [
         ("EXPOSURE=1e200\nEXPOSURE=1e200\n", r"EXPOSURE and COLORCORR multiply to \[inf"),
         ("EXPOSURE=1e-200\nEXPOSURE=1e-200\n", r"EXPOSURE and COLORCORR multiply to \[0\.0"),
+        # Beyond single precision, which values are of.
+        ("EXPOSURE=1e39\n", r"EXPOSURE and COLORCORR multiply to \[1e\+39"),
+        ("EXPOSURE=1e-60\n", r"EXPOSURE and COLORCORR multiply to \[1e-60"),
         ("EXPOSURE=-1\n", "EXPOSURE is not a positive number, but '-1'"),
         ("EXPOSURE=1 2\n", "EXPOSURE is not a positive number"),
         ("COLORCORR=1 2\n", "COLORCORR is not 3 positive numbers"),
