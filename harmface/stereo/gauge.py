@@ -140,14 +140,7 @@ def choose_map(
     move
         How the group is followed.
     """
-    found = _optima(cues, families, move)
-    accepted = list(cues)
-    for _ in cues:
-        failed = [cue for cue in accepted if _scale(cue, found[0][1]) > cue.believable]
-        if not failed:
-            break
-        accepted = [cue for cue in accepted if cue not in failed]
-        found = _optima(accepted, families, move)
+    found, accepted = _believed(cues, families, move)
     cost, rows = found[0]
     rivals = [other for price, other in found[1:] if price < cost + RIVAL]
     # What integrability says is not in question, and without it there is no surface.
@@ -162,6 +155,11 @@ def choose_map(
         _covariance(accepted, rows),
         tuple(rivals),
     )
+
+
+def rough_map(cues: Sequence[Cue], families: Sequence[Sequence[Rows]]) -> Rows:
+    """Return the map that `choose_map` chooses, to begin a fit with: its doubts are not asked."""
+    return _believed(cues, families, shifted, FEW_ROUNDS)[0][0][1]
 
 
 def bas_reliefs(rows: Rows, structure: Float[np.ndarray, "p d"]) -> list[Rows]:
@@ -254,8 +252,21 @@ def spread_of_maps(gauge: Gauge, rng: np.random.Generator) -> Float[np.ndarray, 
     return np.stack(drawn + repeated)
 
 
+def _believed(
+    cues: Sequence[Cue], families: Sequence[Sequence[Rows]], move: Move, rounds: int = ROUNDS
+) -> tuple[list[tuple[float, Rows]], list[Cue]]:
+    """Return the optima by the cues that hold at the best of them, and these cues."""
+    accepted = list(cues)
+    while True:
+        found = _optima(accepted, families, move, rounds)
+        held = [cue for cue in accepted if _scale(cue, found[0][1]) <= cue.believable]
+        if len(held) == len(accepted):
+            return found, accepted
+        accepted = held
+
+
 def _optima(
-    cues: Sequence[Cue], families: Sequence[Sequence[Rows]], move: Move
+    cues: Sequence[Cue], families: Sequence[Sequence[Rows]], move: Move, rounds: int
 ) -> list[tuple[float, Rows]]:
     """Return the optima reached from the most promising starts, the best first."""
     found = []
@@ -268,7 +279,7 @@ def _optima(
     for cost, rows in found:
         # Those that lag far behind will not catch up, and those beside an optimum lead there.
         if cost < found[0][0] + RIVAL and not any(_alike(rows, other) for _, other in optima):
-            optima.append(improved(cues, rows, move))
+            optima.append(improved(cues, rows, move, rounds))
     return sorted(optima, key=lambda each: each[0])
 
 

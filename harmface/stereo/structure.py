@@ -44,6 +44,7 @@ from harmface.stereo.gauge import (
     choose_map,
     improved,
     lorentz_families,
+    rough_map,
     shifted,
 )
 from harmface.stereo.inflation import inflated_normals
@@ -246,7 +247,7 @@ def _of_several_points(
 ) -> tuple[Structure, Gauge]:
     """Return points of all images, and their map, from those of a few."""
     cues = cues_of(few, found, knowledge)
-    rows = choose_map(cues, _families(few, found, cues, rng)).rows
+    rows = rough_map(cues, _families(few, found, cues, rng))
     tried = [_settled(few, found, rows, knowledge, some, gradient) for gradient in (False, True)]
     found, rows, isometry = min(tried, key=lambda settled: _misfit(few, settled[0], some))
     if few is not stack and has_several_points(found.model):
@@ -358,7 +359,7 @@ def _explained(
     if misfit(left[lit[:, some]]) - misfit(least[lit[:, some]]) < GAIN:
         return by_single
     cues = cues_of(stack, by_single, knowledge)
-    rough = by_single.b @ choose_map(cues, _families(stack, by_single, cues, rng)).rows.T
+    rough = by_single.b @ rough_map(cues, _families(stack, by_single, cues, rng)).T
     rough /= np.linalg.norm(rough, axis=1).mean()
     fit = many_sources(values[:, some], seen[:, some], rough[some], under_dense, least)
     # The fit may have drifted along a linear map, which the pixels not fitted yet must follow.
