@@ -17,7 +17,7 @@ from harmface.errors import ArgumentError, FileError, FileWarning
 
 if TYPE_CHECKING:
     from harmface.io import Photograph
-    from harmface.io.galleries import LabelledPhotographs
+    from harmface.recognition import Gallery, SubjectClassifier
 
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
 SrgbOption = Annotated[
@@ -35,6 +35,18 @@ SessionsOption = Annotated[
 MaxPixelsOption = Annotated[
     int | None,
     typer.Option(metavar="N", help="Largest picture read, in pixels; 67 million by default."),
+]
+MethodOption = Annotated[
+    str,
+    typer.Option(
+        help="How to compare: best, whatever was enrolled; of photographs local, robust, "
+        "registered, subspace, likelihood, cone, correlation, nearest, eigenfaces, eigenfaces-3, "
+        "fisherfaces, gradient-direction, lbph; of meshes also 3d, 4d, 9d, 16d, 25d, "
+        "non-negative-4d, non-negative-9d. Before one may stand what subjects are known by, relit+ "
+        "(photographs and what their surfaces look like under other light), harmonic+ or "
+        "shadowed+ (harmonic images of meshes, without and with cast shadows), and equalized+, "
+        "self-quotient+ or tan-triggs+."
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
@@ -180,18 +192,15 @@ def read_enrolled(
     *,
     sessions: bool = False,
     max_pixels: int | None = None,
-) -> tuple["LabelledPhotographs", dict[str, Any]]:
-    """Return the photographs of a folder that are to be enrolled, and how they were read."""
+) -> "Gallery":
+    """Return the gallery of a folder's photographs that are to be enrolled."""
     from harmface.io import choose_gallery, read_image
-    from harmface.io.galleries import LabelledPhotographs
 
     kept, images, skipped = read_subjects(
         folder, shape, srgb, skip_bad, sessions=sessions, max_pixels=max_pixels
     )
     chosen = np.ones(len(kept), bool) if gallery is None else choose_gallery(kept, gallery)
-    used = [photograph for photograph, wanted in zip(kept, chosen, strict=True) if wanted]
     facts = {
-        "files": [str(photograph.path.relative_to(folder)) for photograph in used],
         "gallery": gallery or "all",
         "srgb": srgb,
         "resized": shape is not None,
@@ -201,7 +210,43 @@ def read_enrolled(
         with told():
             first = read_image(kept[0].path, max_pixels=pixel_limit(max_pixels))
         facts["rows_and_columns"] = list(first.shape[:2])
-    return LabelledPhotographs(tuple(each.subject for each in used), images[chosen]), facts
+    return gallery_of_photographs(folder, kept, images, chosen, facts)
+
+
+def gallery_of_photographs(
+    folder: Path,
+    kept: list["Photograph"],
+    images: np.ndarray,
+    chosen: np.ndarray,
+    facts: dict[str, Any],
+) -> "Gallery":
+    """Return the gallery of those photographs of a folder that are chosen."""
+    from harmface.recognition import Gallery, Photographs
+
+    used = [photograph for photograph, wanted in zip(kept, chosen, strict=True) if wanted]
+    lights = [photograph.light for photograph in used]
+    files = [str(photograph.path.relative_to(folder)) for photograph in used]
+    photographs = Photographs(np.array([each.subject for each in used]), images[chosen])
+    return Gallery(
+        photographs,
+        photographs.everywhere,
+        lights=None if None in lights else np.array(lights, dtype=np.float64),
+        facts={"files": files, **facts},
+    )
+
+
+def fitted(gallery: "Gallery", method: str) -> "SubjectClassifier":
+    """Return the classifier of a gallery, with what the method needs beside it."""
+    from harmface.enrollment import with_relit
+    from harmface.recognition import SubjectClassifier, best_method, distance_named
+    from harmface.recognition.gallery import RELIT
+
+    wanted = distance_named(best_method(gallery) if method == "best" else method)
+    if wanted.source == RELIT and gallery.relit is None:
+        with errors.status("recovering surfaces"):
+            gallery = with_relit(gallery)
+    with errors.status(method):
+        return SubjectClassifier.from_gallery(gallery, method)
 
 
 def tell_skipped(skipped: list[FileError]) -> None:

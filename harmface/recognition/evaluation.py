@@ -5,9 +5,7 @@ References
 .. [P99] Platt, Probabilistic Outputs for Support Vector Machines, 1999.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Integer
@@ -45,64 +43,6 @@ class ErrorRate:
     def rate(self) -> float:
         """Fraction of the probes that were misnamed."""
         return self.errors / self.probes
-
-
-def distances_by(recognizer: Any, probes: Float[np.ndarray, "n p"]) -> Float[np.ndarray, "n N"]:
-    """Return the distances that a fitted recogniser of `baselines.recognizer` gives to probes.
-
-    Normalisers stand before its last step, which alone knows distances.
-    """
-    before, last = recognizer[:-1], recognizer[-1]
-    return last.distances(before.transform(probes) if len(before) else probes)
-
-
-def held_out_distances(
-    train: Callable[[np.ndarray, np.ndarray], Any],
-    images: Float[np.ndarray, "n p"],
-    truth: Integer[np.ndarray, "n"],
-    folds: int,
-    most: int,
-) -> tuple[Float[np.ndarray, "t N"], Integer[np.ndarray, "t"]]:
-    """Return distances of a gallery's images to subjects that are known without them.
-
-    Every subject's images are dealt out to the folds in turn; each fold is compared with what is
-    trained on the others.
-
-    Parameters
-    ----------
-    train
-        Returns the fitted recogniser of images and their subjects.
-    images
-        The gallery as rows of pixels.
-    truth
-        Number of each image's subject, 0 to N - 1; every one has at least `folds`, of 2 or more.
-    folds
-        Number of parts.
-    most
-        Images of a fold that are compared at most, spread over all.
-
-    Returns
-    -------
-    tuple
-        Distances, and the subjects of the images compared.
-    """
-    folds = checks.integer("folds", folds, 2)
-    if np.bincount(truth).min() < folds:
-        raise ArgumentError(
-            f"images must number at least {folds} of every subject, got {np.bincount(truth).min()}"
-        )
-    fold = np.zeros_like(truth)
-    for subject in np.unique(truth):
-        own = truth == subject
-        fold[own] = np.arange(own.sum()) % folds
-    found, truths = [], []
-    for each in range(folds):
-        recognizer = train(images[fold != each], truth[fold != each])
-        out = np.flatnonzero(fold == each)
-        out = out[spread(len(out), most)]
-        found.append(distances_by(recognizer, images[out]))
-        truths.append(truth[out])
-    return np.concatenate(found), np.concatenate(truths)
 
 
 def spread(count: int, most: int) -> Integer[np.ndarray, "_"]:

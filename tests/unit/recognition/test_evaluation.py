@@ -3,14 +3,11 @@ import pytest
 
 from harmface.errors import ArgumentError
 from harmface.recognition import margins, posteriors
-from harmface.recognition.baselines import recognizer
 from harmface.recognition.evaluation import (
     ErrorRate,
     bootstrap_interval,
     cumulative_match,
-    distances_by,
     errors_by_subset,
-    held_out_distances,
     independence,
     misnamed,
     receiver_operating,
@@ -112,29 +109,6 @@ def test_images_that_are_all_told_apart_do_not_make_certain():
     assert np.diag(chances) == pytest.approx(4 / 5, abs=1e-3)
 
 
-def test_held_out_images_do_not_know_themselves(rng):
-    images = rng.random((12, 30))
-    truth = np.tile(np.arange(3), 4)
-    images[3] = images[0] + 0.01
-
-    def train(some, subjects):
-        return recognizer("nearest", (5, 6), 1).fit(some, subjects)
-
-    distances, subjects = held_out_distances(train, images, truth, 2, 100)
-    assert np.bincount(subjects).tolist() == [4, 4, 4]
-    assert distances_by(train(images, truth), images).min() < 1e-12
-    # Dealt out in turn, the first two images of a subject are compared with one another.
-    assert distances[0, 0] == pytest.approx(0.01 * np.sqrt(30))
-    assert distances.min() > 0.05
-    assert len(held_out_distances(train, images, truth, 2, 1)[0]) == 2
-
-
-def test_what_stands_before_a_recogniser_is_done_to_probes(rng):
-    images = rng.random((6, 30))
-    found = recognizer("self-quotient+nearest", (5, 6), 1).fit(images, np.arange(6))
-    assert distances_by(found, 2 * images) == pytest.approx(distances_by(found, images))
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -142,8 +116,6 @@ def test_what_stands_before_a_recogniser_is_done_to_probes(rng):
         (lambda: relative_distances(-DISTANCES), "negative"),
         (lambda: rejection_by_margin(DISTANCES[:, :2], TRUTH * 0, 0.5), "three subjects"),
         (lambda: independence(DISTANCES[:, :1], TRUTH * 0), "two subjects"),
-        (lambda: held_out_distances(None, DISTANCES, TRUTH, 2, 9), "at least 2 of every"),
-        (lambda: held_out_distances(None, DISTANCES, TRUTH, 1, 9), "folds must be 2"),
         (lambda: misnamed(DISTANCES, TRUTH[:3]), "each of 4 probes"),
         (lambda: misnamed(DISTANCES, TRUTH + 1), "columns of 3 subjects"),
         (lambda: misnamed(DISTANCES * np.nan, TRUTH), "finite"),

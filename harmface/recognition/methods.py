@@ -1,0 +1,120 @@
+"""Every method by its name."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from harmface.errors import ArgumentError
+from harmface.recognition import baselines
+from harmface.recognition.distance import Distance
+from harmface.recognition.gallery import HARMONIC, PHOTOGRAPHS, RELIT, SHADOWED, Gallery
+from harmface.recognition.illumination_cone import ConeDistance
+from harmface.recognition.local_subspace import LocalDistance
+from harmface.recognition.noise import LikelihoodDistance
+from harmface.recognition.non_negative import NonNegativeDistance
+from harmface.recognition.non_negative_4d import NonNegativeDistance4D
+from harmface.recognition.normalizers import NORMALIZERS, NormalizedDistance
+from harmface.recognition.robust import RobustDistance
+from harmface.recognition.spanned import SubspaceDistance
+
+BEST = "best"
+"""The method to use, whatever the gallery holds."""
+
+
+def _registered() -> Distance:
+    # OpenCV takes a while to load: what needs it is imported where it is asked for.
+    from harmface.recognition.registration import RegisteredDistance
+
+    return RegisteredDistance()
+
+
+def _lbph() -> Distance:
+    from harmface.recognition.lbph import LbphDistance
+
+    return LbphDistance()
+
+
+METHODS: dict[str, Callable[[], Distance]] = {
+    "local": LocalDistance,
+    "robust": RobustDistance,
+    "registered": _registered,
+    "subspace": SubspaceDistance,
+    "likelihood": LikelihoodDistance,
+    "cone": ConeDistance,
+    "3d": lambda: SubspaceDistance(HARMONIC, 3, 1),
+    "4d": lambda: SubspaceDistance(HARMONIC, 4),
+    "9d": lambda: SubspaceDistance(HARMONIC, 9),
+    "16d": lambda: SubspaceDistance(SHADOWED, 16),
+    "25d": lambda: SubspaceDistance(SHADOWED, 25),
+    "non-negative-4d": NonNegativeDistance4D,
+    "non-negative-9d": NonNegativeDistance,
+    "correlation": baselines.CorrelationDistance,
+    "nearest": baselines.PixelDistance,
+    "eigenfaces": baselines.EigenfacesDistance,
+    "eigenfaces-3": lambda: baselines.EigenfacesDistance(left_out=3),
+    "fisherfaces": baselines.FisherfacesDistance,
+    "gradient-direction": baselines.GradientDirectionDistance,
+    "lbph": _lbph,
+}
+"""Distances by name: to photographs, but those with a dimension in their name are to harmonic
+images, with attached shadows up to 9 dimensions and with cast shadows beyond."""
+
+BEFORE = (RELIT, HARMONIC, SHADOWED, *NORMALIZERS)
+"""What may stand before a name, with a plus, one of the first three and one of the others: what
+subjects are known by, and what is done to photographs."""
+
+
+def distance_named(name: str) -> Distance:
+    """Return the distance of a name, other than "best".
+
+    Parameters
+    ----------
+    name
+        One of `METHODS`, with words of `BEFORE` and a plus before it if wanted, such as
+        "shadowed+robust" or "relit+tan-triggs+nearest".
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such method, or it cannot do with what stands before it.
+    """
+    *before, method = name.split("+")
+    sources = [word for word in before if word not in NORMALIZERS]
+    normalizers = [word for word in before if word in NORMALIZERS]
+    known = method in METHODS and set(before) <= set(BEFORE)
+    if not known or len(sources) > 1 or len(normalizers) > 1:
+        raise ArgumentError(
+            f"method must be {BEST}, or one of {', '.join(METHODS)}, or one of {', '.join(BEFORE)} "
+            f"and a plus before it, got {name!r}"
+        )
+    distance = METHODS[method]()
+    if normalizers and distance.of_surfaces:
+        raise ArgumentError(f"method {method} must have photographs for {normalizers[0]}+")
+    for source in sources:
+        if source not in distance.sources:
+            raise ArgumentError(
+                f"method {method} must have one of {', '.join(distance.sources)}, got {source!r}"
+            )
+        distance = replace(distance, source=source)
+    if normalizers:
+        source = distance.source
+        distance = NormalizedDistance(source, normalizers[0], distance)
+    return distance
+
+
+def best_method(gallery: Gallery) -> str:
+    """Return the name of the method to use with a gallery.
+
+    Of meshes it is what told procedural heads apart by the widest margin; of photographs of known
+    light, `local` with relit photographs; of others, `local`.
+    """
+    if gallery.harmonic is not None:
+        return "25d"
+    return "local" if gallery.lights is None else "relit+local"
+
+
+def needs(name: str, source: str) -> bool:
+    """Return whether a method, not "best", needs a source such as "relit"."""
+    return distance_named(name).source == source
+
+
+__all__ = ["BEFORE", "BEST", "METHODS", "PHOTOGRAPHS", "best_method", "distance_named", "needs"]
