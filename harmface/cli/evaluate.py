@@ -179,13 +179,16 @@ def _results(
         distances = classifier.distances(rows)
         seconds = (time.perf_counter() - start) / len(rows)
         truth = np.searchsorted(classifier.classes_, names)
-        results[name] = {**_figures(distances, truth, subsets), SECONDS: seconds}
+        chances = classifier.probabilities(distances) if classifier.calibrated else None
+        results[name] = {**_figures(distances, truth, subsets, chances), SECONDS: seconds}
         if parts is not None:
             parts.save(setting, {}, results[name])
     return results
 
 
-def _figures(distances: np.ndarray, truth: np.ndarray, subsets: np.ndarray) -> dict[str, Any]:
+def _figures(
+    distances: np.ndarray, truth: np.ndarray, subsets: np.ndarray, chances: np.ndarray | None
+) -> dict[str, Any]:
     """Return how many probes were misnamed, and the curves."""
     from harmface.recognition import evaluation
 
@@ -217,6 +220,19 @@ def _figures(distances: np.ndarray, truth: np.ndarray, subsets: np.ndarray) -> d
         "interval": interval(np.ones_like(wrong)),
         "cumulative_match": evaluation.cumulative_match(distances, truth).tolist(),
         "roc": {"false_accepts": rates.tolist(), **curves},
+        "reliability": None if chances is None else _reliability(chances, truth),
+    }
+
+
+def _reliability(chances: np.ndarray, truth: np.ndarray) -> dict[str, Any]:
+    from harmface.recognition.evaluation import reliability
+
+    found = reliability(chances, truth)
+    return {
+        "claimed": found.claimed.tolist(),
+        "right": found.right.tolist(),
+        "count": found.count.tolist(),
+        "expected_error": found.expected_error,
     }
 
 

@@ -1,6 +1,7 @@
 """`harmface enroll` and `harmface recognize`."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -165,7 +166,7 @@ def recognize(
         )
     with errors.status("comparing"):
         distances = classifier.distances(probes.reshape(len(probes), -1))
-        rejection = None if reject is None else _rejection(classifier, reject)
+        rejection = None if reject is None else asdict(classifier.rejection(reject))
     names = [str(name) for name in classifier.classes_]
     margin = margins(distances) if len(names) > 1 else None
     chances = classifier.probabilities(distances) if classifier.calibrated else None
@@ -245,15 +246,6 @@ def _from_meshes(
     return gallery_of_meshes(models, facts)
 
 
-def _rejection(classifier: "SubjectClassifier", rate: float) -> dict[str, float]:
-    found = classifier.rejection(rate)
-    return {
-        "least_margin": 1 - found.threshold,
-        "false_accept_rate": found.false_accept_rate,
-        "strangers": found.strangers,
-    }
-
-
 def _draw(
     path: Path,
     classifier: "SubjectClassifier",
@@ -292,8 +284,8 @@ def _print_answer(result: dict[str, Any], rejection: dict[str, float] | None) ->
     if rejection is not None:
         verdict = (
             f": {'accepted' if result['known'] else 'rejected as a stranger'} "
-            f"({rejection['false_accept_rate']:.2%} of {rejection['strangers']} strangers exceed "
-            f"{rejection['least_margin']:.1%})"
+            f"({rejection['false_accept_rate']:.2%} of strangers are expected to exceed "
+            f"{rejection['least_margin']:.1%}, by {rejection['strangers']} images)"
         )
     if result["margin"] is not None:
         output.print(f"margin {result['margin']:.1%}{verdict}", highlight=False, soft_wrap=True)

@@ -1,12 +1,10 @@
 """Who is it: a gallery of subjects, a distance, and one classifier made of both."""
 
 from harmface.recognition.answers import (
-    Rejection,
     estimated_light,
     likelihood_posteriors,
     margins,
     posteriors,
-    rejection,
 )
 from harmface.recognition.cast_shadows import shadowed_harmonic_images
 from harmface.recognition.classifier import SubjectClassifier
@@ -50,7 +48,6 @@ __all__ = [
     "Likelihoods",
     "LocalDistance",
     "Photographs",
-    "Rejection",
     "RobustDistance",
     "SubjectClassifier",
     "SubspaceDistance",
@@ -80,7 +77,6 @@ __all__ = [
     "phong_coefficients",
     "pixel_blocks",
     "posteriors",
-    "rejection",
     "robust_distances",
     "scaled_normals",
     "shadowed_harmonic_images",

@@ -10,15 +10,19 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from harmface.errors import ArgumentError
-from harmface.recognition.answers import Rejection, posteriors
+from harmface.recognition.answers import posteriors
 from harmface.recognition.distance import Distance, Model
-from harmface.recognition.evaluation import independence, rejection_by_margin, spread
+from harmface.recognition.evaluation import (
+    Rejection,
+    independence,
+    rejection_by_margin,
+    spread,
+)
 from harmface.recognition.gallery import Gallery, Photographs
 from harmface.recognition.methods import BEST, best_method, distance_named
 
 TRIALS = 1000
-"""Most photographs that probabilities and thresholds are estimated from, and so the least
-false-accept rate that can be: one in a thousand."""
+"""Most photographs that probabilities and thresholds are estimated from."""
 
 FOLDS = 3
 """Parts of a gallery of photographs, each compared with the others to see how sure a name is."""
@@ -267,7 +271,8 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         rate
             Wanted share of strangers that are taken for somebody.
         """
-        return rejection_by_margin(self.known_.distances, self.known_.truth, rate)
+        trials = self.held_out_ or self.known_
+        return rejection_by_margin(trials.distances, trials.truth, rate)
 
     def explained(
         self, images: Float[np.ndarray, "n H W"], which: Integer[np.ndarray, "n"]

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.stats import genpareto
 
 from harmface.errors import ArgumentError
 from harmface.recognition import margins, posteriors
@@ -13,6 +14,7 @@ from harmface.recognition.evaluation import (
     receiver_operating,
     rejection_by_margin,
     relative_distances,
+    reliability,
 )
 
 DISTANCES = np.array([[0.1, 0.5, 0.9], [0.4, 0.2, 0.3], [0.1, 0.2, 0.3], [0.6, 0.5, 0.4]])
@@ -76,18 +78,29 @@ def test_relative_distance_is_to_the_nearest_other():
     assert relative_distances(np.zeros((1, 2))).tolist() == [[1.0, 1.0]]
 
 
-def test_strangers_are_told_by_their_margin_whatever_the_light(rng):
-    """Impostors' ratios are uniform on [0.5, 1], their distances spread over a decade by light."""
-    count, rate = 4000, 0.05
-    scale = 10 ** rng.uniform(-1, 0, count)
-    ratio = rng.uniform(0.5, 1, count)
-    # A column each: the own subject, the nearest other, the second nearest other.
-    distances = np.stack([0.1 * scale, ratio * scale, scale], axis=1)
-    found = rejection_by_margin(distances, np.zeros(count, int), rate)
-    # The 5 % quantile of the ratios, told by 4000 to a standard deviation of 0.0017.
-    assert found.threshold == pytest.approx(0.5 + 0.5 * rate, abs=0.006)
-    assert found.strangers == count
-    assert found.false_accept_rate == pytest.approx(rate, abs=1 / count)
+@pytest.mark.parametrize(("shape", "scale"), [(0.0, 0.05), (-0.3, 0.1)])
+def test_the_tail_of_strangers_is_found_from_few_images(shape, scale):
+    """Gaps come from a known distribution, distances spread over a decade by light."""
+    rng, found = np.random.default_rng(4), []
+    expected = -np.expm1(-genpareto.isf(0.01, shape, 0, scale))
+    for _ in range(40):
+        gaps = genpareto.rvs(shape, 0, scale, 200, random_state=rng)
+        distances = np.stack([np.full(200, 0.01), np.exp(-gaps), np.ones(200), np.ones(200)], 1)
+        lit = 10 ** rng.uniform(-1, 0, (200, 1))
+        rejection = rejection_by_margin(lit * distances, np.zeros(200, int), 0.01)
+        found.append(rejection.least_margin)
+    assert (rejection.false_accept_rate, rejection.strangers) == (0.01, 200)
+    # Likelihood estimates scatter; the mean of 40 does by a sixth of that.
+    assert np.mean(found) == pytest.approx(expected, rel=0.06)
+
+
+def test_reliability_counts_what_is_claimed_and_right():
+    chances = np.array([[0.95, 0.05], [0.97, 0.03], [0.4, 0.6], [1.0, 0.0]])
+    found = reliability(chances, np.array([0, 1, 1, 0]))
+    assert found.count.tolist() == [0, 0, 0, 0, 0, 0, 1, 0, 0, 3]
+    assert found.claimed[[6, 9]] == pytest.approx([0.6, (0.95 + 0.97 + 1) / 3])
+    assert found.right[[6, 9]] == pytest.approx([1, 2 / 3])
+    assert found.expected_error == pytest.approx((0.4 + 3 * abs(0.97333 - 2 / 3)) / 4, abs=1e-4)
 
 
 def test_independence_is_found_again(rng):
@@ -115,6 +128,8 @@ def test_images_that_are_all_told_apart_do_not_make_certain():
         (lambda: relative_distances(DISTANCES[:, :1]), "two subjects"),
         (lambda: relative_distances(-DISTANCES), "negative"),
         (lambda: rejection_by_margin(DISTANCES[:, :2], TRUTH * 0, 0.5), "three subjects"),
+        (lambda: rejection_by_margin(DISTANCES, TRUTH, 0.0), "between 0 and 1"),
+        (lambda: rejection_by_margin(DISTANCES, TRUTH, 0.5), "at least 20 images"),
         (lambda: independence(DISTANCES[:, :1], TRUTH * 0), "two subjects"),
         (lambda: misnamed(DISTANCES, TRUTH[:3]), "each of 4 probes"),
         (lambda: misnamed(DISTANCES, TRUTH + 1), "columns of 3 subjects"),
