@@ -4,6 +4,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,7 +18,7 @@ from harmface.errors import ArgumentError, FileError, FileWarning
 
 if TYPE_CHECKING:
     from harmface.io import Photograph
-    from harmface.recognition import Gallery, SubjectClassifier
+    from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
 SrgbOption = Annotated[
@@ -39,13 +40,21 @@ MaxPixelsOption = Annotated[
 MethodOption = Annotated[
     str,
     typer.Option(
-        help="How to compare: best, whatever was enrolled; of photographs local, robust, "
+        help="How to compare: best, whatever was enrolled; of photographs local, whitened, robust, "
         "registered, subspace, likelihood, cone, correlation, nearest, eigenfaces, eigenfaces-3, "
         "fisherfaces, gradient-direction, lbph; of meshes also 3d, 4d, 9d, 16d, 25d, "
         "non-negative-4d, non-negative-9d. Before one may stand what subjects are known by, relit+ "
         "(photographs and what their surfaces look like under other light), harmonic+ or "
         "shadowed+ (harmonic images of meshes, without and with cast shadows), and equalized+, "
         "self-quotient+ or tan-triggs+."
+    ),
+]
+LearnFromOption = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FOLDER",
+        help="Photographs of other people under several lights each, cropped alike, to learn from "
+        "how light changes faces; procedural heads by default.",
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
@@ -235,18 +244,56 @@ def gallery_of_photographs(
     )
 
 
-def fitted(gallery: "Gallery", method: str) -> "SubjectClassifier":
-    """Return the classifier of a gallery, with what the method needs beside it."""
+def fitted(
+    gallery: "Gallery", method: str, learn_from: "Photographs | None" = None
+) -> "SubjectClassifier":
+    """Return the classifier of a gallery, with what the method needs beside it.
+
+    Parameters
+    ----------
+    gallery
+        What was read.
+    method
+        Its name.
+    learn_from
+        Photographs of other people; procedural ones if they are needed and none are given.
+    """
     from harmface.enrollment import with_relit
     from harmface.recognition import SubjectClassifier, best_method, distance_named
     from harmface.recognition.gallery import RELIT
+    from harmface.recognition.methods import BEST, wants_others
 
-    wanted = distance_named(best_method(gallery) if method == "best" else method)
+    whitened = method.endswith("whitened") or (method == BEST and wants_others(gallery))
+    if whitened and gallery.others is None:
+        others = _procedural(gallery) if learn_from is None else learn_from
+        gallery = replace(gallery, others=others)
+    wanted = distance_named(best_method(gallery) if method == BEST else method)
     if wanted.source == RELIT and gallery.relit is None:
         with errors.status("recovering surfaces"):
             gallery = with_relit(gallery)
     with errors.status(method):
         return SubjectClassifier.from_gallery(gallery, method)
+
+
+def _procedural(gallery: "Gallery") -> "Photographs":
+    from harmface.recognition.framing import in_frame_of
+    from harmface.reproduce.population import procedural_people
+
+    with progress("rendering people to learn from, once") as report:
+        return in_frame_of(gallery, procedural_people(report))
+
+
+def read_others(
+    folder: Path | None, like: "Gallery", srgb: bool, max_pixels: int | None
+) -> "Photographs | None":
+    """Return photographs of other people, cropped and treated as a gallery's."""
+    from harmface.recognition import Photographs
+
+    if folder is None:
+        return None
+    shape = (like.mask.shape[0], like.mask.shape[1])
+    kept, images, _ = read_subjects(folder, shape, srgb, False, max_pixels=max_pixels)
+    return Photographs(np.array([photograph.subject for photograph in kept]), images)
 
 
 def tell_skipped(skipped: list[FileError]) -> None:

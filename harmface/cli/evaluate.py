@@ -7,7 +7,6 @@ import os
 import platform
 import time
 from contextlib import ExitStack
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +17,7 @@ from rich.table import Table
 
 from harmface.cli.common import (
     JsonOption,
+    LearnFromOption,
     MaxPixelsOption,
     SessionsOption,
     SkipBadOption,
@@ -26,6 +26,7 @@ from harmface.cli.common import (
     gallery_of_photographs,
     output,
     read_apart,
+    read_others,
     read_subjects,
     rows_and_columns,
 )
@@ -33,7 +34,7 @@ from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from harmface.io.parts import Parts
-    from harmface.recognition import Gallery
+    from harmface.recognition import Gallery, Photographs
 
 SEED = 0
 """Of the bootstrap."""
@@ -66,6 +67,7 @@ def evaluate(
             "relit+local, robust or tan-triggs+nearest."
         ),
     ] = "best",
+    learn_from: LearnFromOption = None,
     size: Annotated[
         str | None, typer.Option(metavar="HxW", help="Resize to rows x columns, such as 48x42.")
     ] = None,
@@ -95,6 +97,7 @@ def evaluate(
     from harmface.io import choose_gallery, output_folder, prepare_folder
     from harmface.io.parts import Parts, digest
     from harmface.recognition import best_method, distance_named
+    from harmface.recognition.methods import wants_others
 
     shape = rows_and_columns(size)
     asked = list(dict.fromkeys(methods.split(",")))
@@ -115,7 +118,9 @@ def evaluate(
     names = np.array([photograph.subject for photograph in kept])
     subsets = np.array([photograph.subset for photograph in kept])[~enrolled]
     known = gallery_of_photographs(folder, kept, images, enrolled, {})
-    settings = {name: best_method(known) if name == "best" else name for name in asked}
+    others = read_others(learn_from, known, srgb, max_pixels)
+    best = "whitened" if wants_others(known) else best_method(known)
+    settings = {name: best if name == "best" else name for name in asked}
     with ExitStack() as held:
         parts = None
         if out is not None:
@@ -123,8 +128,11 @@ def evaluate(
             request = {"settings": settings, "seed": SEED}
             data = {"images": images, "names": names, "subsets": subsets, "enrolled": enrolled}
             data |= {} if known.lights is None else {"lights": known.lights}
+            data |= {} if others is None else {"others": others.images}
             parts = Parts(out, digest(request, data))
-        results = _results(settings, parts, known, images[~enrolled], names[~enrolled], subsets)
+        results = _results(
+            settings, parts, known, others, images[~enrolled], names[~enrolled], subsets
+        )
         record = {
             "gallery": gallery,
             "images_enrolled": int(enrolled.sum()),
@@ -161,6 +169,7 @@ def _results(
     settings: dict[str, str],
     parts: "Parts | None",
     gallery: "Gallery",
+    others: "Photographs | None",
     probes: np.ndarray,
     names: np.ndarray,
     subsets: np.ndarray,
@@ -173,8 +182,8 @@ def _results(
         if kept is not None:
             results[name] = kept[1]
             continue
-        classifier = fitted(gallery, setting)
-        gallery = replace(gallery, relit=classifier.gallery_.relit)
+        classifier = fitted(gallery, setting, others)
+        gallery = classifier.gallery_
         start = time.perf_counter()
         distances = classifier.distances(rows)
         seconds = (time.perf_counter() - start) / len(rows)

@@ -12,6 +12,7 @@ from rich.table import Table
 from harmface import checks
 from harmface.cli.common import (
     JsonOption,
+    LearnFromOption,
     MaxPixelsOption,
     MethodOption,
     SessionsOption,
@@ -25,6 +26,7 @@ from harmface.cli.common import (
     output,
     progress,
     read_enrolled,
+    read_others,
     read_probes,
     rows_and_columns,
     rows_of_square,
@@ -53,6 +55,7 @@ def enroll(
     ],
     out: Annotated[Path, typer.Option(help="Gallery file (.npz) to write.")],
     method: MethodOption = "best",
+    learn_from: LearnFromOption = None,
     size: Annotated[
         str | None,
         typer.Option(help="N rows and columns for meshes (64); HxW to resize photographs to."),
@@ -80,7 +83,9 @@ def enroll(
 
     Photographs must be cropped alike; those to be recognised are treated as they are (--srgb,
     --size). If their names tell the light, as Extended Yale B has, surfaces are recovered from
-    them, and what these look like under the nine points of light is enrolled besides.
+    them, and what these look like under the nine points of light is enrolled besides. Of fewer than
+    seven photographs a person, what light does to faces is learned from other people: from
+    procedural heads, rendered once and kept, or from --learn-from.
 
     Example: harmface enroll faces --size 64 --out gallery.npz
 
@@ -104,7 +109,8 @@ def enroll(
         if gallery is not None or srgb or sessions:
             raise ArgumentError("--gallery, --sessions and --srgb are for photographs, not meshes")
         enrolled = _from_meshes(sources, size, mesh_reading, skip_bad)
-    classifier = fitted(enrolled, method)
+    others = read_others(learn_from, enrolled, srgb, max_pixels)
+    classifier = fitted(enrolled, method, others)
     write_gallery(out, classifier)
     output.print(f"{enrolled.summary} in {out}, for {method}", soft_wrap=True)
 

@@ -89,11 +89,13 @@ def _classifier(arrays: dict[str, np.ndarray], attributes: dict[str, Any]) -> Su
         relit=relit,
         aligned=attributes["aligned"] is True,
         facts=facts,
-        **{name: real.get(name) for name in OPTIONAL},
+        lights=real.get("lights"),
+        harmonic=real.get(HARMONIC),
+        shadowed=real.get(SHADOWED),
     )
     model = {name.removeprefix(MODEL): own for name, own in real.items() if name.startswith(MODEL)}
-    held_out = _trials(real, HELD_OUT, gallery) if HELD_OUT in real else None
-    known = _trials(real, KNOWN, gallery)
+    held_out = _trials(real, HELD_OUT) if HELD_OUT in real else None
+    known = _trials(real, KNOWN)
     classifier = SubjectClassifier.restored(gallery, method, model, known, held_out)
     # A model that does not belong to the gallery cannot compare one of its photographs.
     probe = gallery.photographs.images[:1].reshape(1, -1)
@@ -110,9 +112,9 @@ def _photographs(subjects: Any, images: np.ndarray) -> Photographs:
     return found
 
 
-def _trials(arrays: dict[str, np.ndarray], name: str, gallery: Gallery) -> Trials:
+def _trials(arrays: dict[str, np.ndarray], name: str) -> Trials:
     distances, truth = arrays[name], arrays[f"{name}.truth"]
-    right = distances.shape == (len(truth), len(gallery.names)) and truth.dtype.kind == "i"
-    if not right or not np.isin(truth, range(len(gallery.names))).all():
+    right = distances.ndim == 2 and truth.dtype.kind == "i" and truth.shape == distances.shape[:1]
+    if not right or not np.isin(truth, range(distances.shape[1])).all():
         raise ValueError(f"its {name} are not of its subjects")
     return Trials(checks.non_negative(name, distances), truth)

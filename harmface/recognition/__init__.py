@@ -39,6 +39,7 @@ from harmface.recognition.specular import (
     subject_highlights,
 )
 from harmface.recognition.subspace import orthonormal_basis, subspace_distances
+from harmface.recognition.whitened import WhitenedDistance
 
 __all__ = [
     "METHODS",
@@ -51,6 +52,7 @@ __all__ = [
     "RobustDistance",
     "SubjectClassifier",
     "SubspaceDistance",
+    "WhitenedDistance",
     "Windows",
     "best_method",
     "cone_distances",

@@ -1,6 +1,6 @@
 """The recogniser: a gallery and a distance, with scikit-learn's interface."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from harmface.recognition.evaluation import (
 )
 from harmface.recognition.gallery import Gallery, Photographs
 from harmface.recognition.methods import BEST, best_method, distance_named
+from harmface.recognition.whitened import FEWEST_PEOPLE
 
 TRIALS = 1000
 """Most photographs that probabilities and thresholds are estimated from."""
@@ -194,22 +195,54 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     def _held_out(self, gallery: Gallery) -> Trials | None:
         """Deal every subject's photographs out to folds; compare each with a model of the others.
 
-        With fewer photographs of somebody, one alone may be left of them, or none.
+        With fewer photographs of somebody, one alone may be left of them, or none; then other
+        people who were learned from stand in, half of them learned from the other half.
         """
         which = gallery.which
         if np.bincount(which).min() < FOLDS:
-            return None
+            return self._stand_ins(gallery) if self.distance_.learns else None
         fold = np.zeros_like(which)
         for subject in np.unique(which):
             own = which == subject
             fold[own] = np.arange(own.sum()) % FOLDS
+        tries = [(gallery.chosen(fold != each), fold == each) for each in range(FOLDS)]
+        return self._tried(
+            [(known, gallery.photographs.images[out], which[out]) for known, out in tries]
+        )
+
+    def _stand_ins(self, gallery: Gallery) -> Trials | None:
+        """Enroll the best-lit photographs of other people, as many of each as of the subjects."""
+        others = gallery.others
+        people = np.unique([] if others is None else others.subjects)
+        half, few = len(people) // 2, int(np.bincount(gallery.which).min())
+        if others is None or half < FEWEST_PEOPLE:
+            return None
+        tries = []
+        for part in (people[:half], people[half : 2 * half]):
+            own = others.chosen(np.isin(others.subjects, part))
+            light = own.images.mean(axis=(1, 2))
+            enrolled = np.zeros(len(light), bool)
+            for person in part:
+                mine = np.flatnonzero(own.subjects == person)
+                enrolled[mine[np.argsort(-light[mine])[:few]]] = True
+            known = replace(
+                gallery,
+                photographs=own.chosen(enrolled),
+                lights=None,
+                relit=own.chosen(light < 0),
+                others=others.chosen(~np.isin(others.subjects, part)),
+            )
+            probes = own.chosen(~enrolled)
+            tries.append((known, probes.images, np.searchsorted(part, probes.subjects)))
+        return self._tried(tries)
+
+    def _tried(self, tries: list[tuple[Gallery, np.ndarray, np.ndarray]]) -> Trials:
+        """Compare probes, of which the subjects' numbers are given, each with its own gallery."""
         found, truths = [], []
-        for each in range(FOLDS):
-            model = self.distance_.fit(gallery.chosen(fold != each))
-            out = np.flatnonzero(fold == each)
-            out = out[spread(len(out), TRIALS // FOLDS)]
-            found.append(self._compared(model, gallery.photographs.images[out]))
-            truths.append(which[out])
+        for known, probes, truth in tries:
+            some = spread(len(truth), TRIALS // len(tries))
+            found.append(self._compared(self.distance_.fit(known), probes[some]))
+            truths.append(truth[some])
         return Trials(np.concatenate(found), np.concatenate(truths))
 
     def distances(self, X: Any) -> Float[np.ndarray, "n N"]:

@@ -32,6 +32,9 @@ class Distance(ABC):
     sources: ClassVar[tuple[str, ...]] = SOURCES
     """Those that the distance can do with."""
 
+    learns: ClassVar[bool] = False
+    """Whether other people than the gallery's are learned from."""
+
     positive_only: ClassVar[bool] = False
     """Whether images must be nowhere negative."""
 

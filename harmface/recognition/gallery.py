@@ -67,6 +67,9 @@ class Gallery:
         Unit direction to the light of each photograph, if known.
     relit
         Photographs rendered from surfaces that the photographs tell, under lights that they lack.
+    others
+        Photographs of other people under several lights each, to learn from how light changes
+        faces.
     harmonic, shadowed
         Harmonic images of each subject in the order of `names`, without and with cast shadows; of
         meshes only.
@@ -80,6 +83,7 @@ class Gallery:
     mask: Bool[np.ndarray, "H W"]
     lights: Float[np.ndarray, "n 3"] | None = None
     relit: Photographs | None = None
+    others: Photographs | None = None
     harmonic: Float[np.ndarray, "N K H W"] | None = None
     shadowed: Float[np.ndarray, "N S H W"] | None = None
     aligned: bool = False
@@ -98,13 +102,12 @@ class Gallery:
                 f"lights must number {len(self.photographs.subjects)}, one for each photograph, "
                 f"got {len(self.lights)}"
             )
-        if self.relit is not None:
-            if self.relit.images.shape[1:] != shape:
-                raise ArgumentError(
-                    f"relit must be of shape {shape}, got {self.relit.images.shape}"
-                )
-            if not np.isin(self.relit.subjects, self.names).all():
-                raise ArgumentError("relit must be of subjects of the photographs")
+        for name in (RELIT, "others"):
+            own = getattr(self, name)
+            if own is not None and own.images.shape[1:] != shape:
+                raise ArgumentError(f"{name} must be of shape {shape}, got {own.images.shape[1:]}")
+        if self.relit is not None and not np.isin(self.relit.subjects, self.names).all():
+            raise ArgumentError("relit must be of subjects of the photographs")
         for name in (HARMONIC, SHADOWED):
             images = getattr(self, name)
             if images is None:

@@ -3,10 +3,12 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from harmface.errors import ArgumentError
 from harmface.recognition import baselines
 from harmface.recognition.distance import Distance
-from harmface.recognition.gallery import HARMONIC, PHOTOGRAPHS, RELIT, SHADOWED, Gallery
+from harmface.recognition.gallery import HARMONIC, RELIT, SHADOWED, Gallery
 from harmface.recognition.illumination_cone import ConeDistance
 from harmface.recognition.local_subspace import LocalDistance
 from harmface.recognition.noise import LikelihoodDistance
@@ -15,6 +17,11 @@ from harmface.recognition.non_negative_4d import NonNegativeDistance4D
 from harmface.recognition.normalizers import NORMALIZERS, NormalizedDistance
 from harmface.recognition.robust import RobustDistance
 from harmface.recognition.spanned import SubspaceDistance
+from harmface.recognition.whitened import WhitenedDistance
+
+ENOUGH = 7
+"""Photographs of a person that tell its looks by themselves: on real faces 7 frontal ones did, and
+with 6 other people still helped."""
 
 BEST = "best"
 """The method to use, whatever the gallery holds."""
@@ -35,6 +42,7 @@ def _lbph() -> Distance:
 
 METHODS: dict[str, Callable[[], Distance]] = {
     "local": LocalDistance,
+    "whitened": WhitenedDistance,
     "robust": RobustDistance,
     "registered": _registered,
     "subspace": SubspaceDistance,
@@ -104,17 +112,17 @@ def distance_named(name: str) -> Distance:
 def best_method(gallery: Gallery) -> str:
     """Return the name of the method to use with a gallery.
 
-    Of meshes it is what told procedural heads apart by the widest margin; of photographs of known
+    Of meshes it is what told procedural heads apart by the widest margin; of few photographs a
+    person, `whitened`, where there are other people to learn from; of more photographs under known
     light, `local` with relit photographs; of others, `local`.
     """
     if gallery.harmonic is not None:
         return "25d"
+    if gallery.others is not None and wants_others(gallery):
+        return "whitened"
     return "local" if gallery.lights is None else "relit+local"
 
 
-def needs(name: str, source: str) -> bool:
-    """Return whether a method, not "best", needs a source such as "relit"."""
-    return distance_named(name).source == source
-
-
-__all__ = ["BEFORE", "BEST", "METHODS", "PHOTOGRAPHS", "best_method", "distance_named", "needs"]
+def wants_others(gallery: Gallery) -> bool:
+    """Return whether other people tell more of somebody's looks than the few photographs do."""
+    return gallery.harmonic is None and int(np.bincount(gallery.which).min()) < ENOUGH
