@@ -43,7 +43,8 @@ MethodOption = Annotated[
         help="How to compare: best, whatever was enrolled; of photographs local, whitened, robust, "
         "registered, subspace, likelihood, cone, correlation, nearest, eigenfaces, eigenfaces-3, "
         "fisherfaces, gradient-direction, lbph; of meshes also 3d, 4d, 9d, 16d, 25d, "
-        "non-negative-4d, non-negative-9d. Before one may stand what subjects are known by, relit+ "
+        "non-negative-4d, non-negative-9d. Before one may stand framed+ (how probes are framed is "
+        "searched for), what subjects are known by, relit+ "
         "(photographs and what their surfaces look like under other light), harmonic+ or "
         "shadowed+ (harmonic images of meshes, without and with cast shadows), and equalized+, "
         "self-quotient+ or tan-triggs+."
@@ -263,8 +264,8 @@ def fitted(
     from harmface.recognition.gallery import RELIT
     from harmface.recognition.methods import BEST, wants_others
 
-    whitened = method.endswith("whitened") or (method == BEST and wants_others(gallery))
-    if whitened and gallery.others is None:
+    learns = wants_others(gallery) if method == BEST else distance_named(method).learns
+    if learns and gallery.others is None:
         others = _procedural(gallery) if learn_from is None else learn_from
         gallery = replace(gallery, others=others)
     wanted = distance_named(best_method(gallery) if method == BEST else method)

@@ -38,6 +38,7 @@ from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from harmface.recognition import Gallery, SubjectClassifier
+    from harmface.recognition.registration import Motion
 
 MOST_PICTURED = 40
 """Most probes in one figure."""
@@ -82,10 +83,10 @@ def enroll(
     photographs, such as local, is given nine pictures of each mesh, under the nine points of light.
 
     Photographs must be cropped alike; those to be recognised are treated as they are (--srgb,
-    --size). If their names tell the light, as Extended Yale B has, surfaces are recovered from
-    them, and what these look like under the nine points of light is enrolled besides. Of fewer than
-    seven photographs a person, what light does to faces is learned from other people: from
-    procedural heads, rendered once and kept, or from --learn-from.
+    --size). Of fewer than seven a person, what light does to faces is learned from other people:
+    from procedural heads, rendered once and kept, or from --learn-from. Of more whose names tell
+    the light, as Extended Yale B has, surfaces are recovered, and what they look like under the
+    nine points of light is enrolled besides.
 
     Example: harmface enroll faces --size 64 --out gallery.npz
 
@@ -112,7 +113,7 @@ def enroll(
     others = read_others(learn_from, enrolled, srgb, max_pixels)
     classifier = fitted(enrolled, method, others)
     write_gallery(out, classifier)
-    output.print(f"{enrolled.summary} in {out}, for {method}", soft_wrap=True)
+    output.print(f"{enrolled.summary} in {out}, for {classifier.method}", soft_wrap=True)
 
 
 def recognize(
@@ -171,7 +172,7 @@ def recognize(
             f"--figure shows {MOST_PICTURED} images at most, got {len(paths)}; give fewer at a time"
         )
     with errors.status("comparing"):
-        distances = classifier.distances(probes.reshape(len(probes), -1))
+        distances, motions = classifier.placed(probes.reshape(len(probes), -1))
         rejection = None if reject is None else asdict(classifier.rejection(reject))
     names = [str(name) for name in classifier.classes_]
     margin = margins(distances) if len(names) > 1 else None
@@ -190,6 +191,9 @@ def recognize(
         result: dict[str, Any] = {"image": str(path), "ranking": ranking, "margin": None}
         if margin is not None:
             result["margin"] = float(margin[row])
+        if motions is not None:
+            result["framing"] = asdict(motions[row])
+            _tell_framing(path, motions[row], enrolled.mask.shape[0])
         if rejection is not None:
             result["known"] = result["margin"] > rejection["least_margin"]
         results.append(result)
@@ -250,6 +254,19 @@ def _from_meshes(
         "skipped": [str(error) for error in skipped],
     }
     return gallery_of_meshes(models, facts)
+
+
+def _tell_framing(path: Path, motion: "Motion", rows: int) -> None:
+    from harmface.recognition.framed import misframed
+
+    if misframed(motion, rows):
+        errors.print(
+            f"note: {path}: is framed otherwise than the gallery, {motion.right:+.1f} pixels to "
+            f"the right, {motion.down:+.1f} down, turned by {motion.rotation:+.1f} degrees and "
+            f"{motion.scale:.2f} times as large; it was moved",
+            highlight=False,
+            soft_wrap=True,
+        )
 
 
 def _draw(

@@ -130,7 +130,7 @@ def with_relit(gallery: Gallery) -> Gallery:
     photographs, subjects = gallery.photographs.images, gallery.photographs.subjects
     found = from_known_lights(photographs, subjects, gallery.lights)
     images, names = [photographs[:0]], [subjects[:0]]
-    for name, subject in found.items():
+    for name, subject in zip(gallery.names, found.values(), strict=True):
         nearest = (nine_points() @ gallery.lights[subjects == name].T).max(axis=1)
         missing = nine_points()[nearest < np.cos(np.radians(NEAR))]
         if len(missing):

@@ -1,7 +1,7 @@
 """The recogniser: a gallery and a distance, with scikit-learn's interface."""
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Integer
@@ -21,6 +21,9 @@ from harmface.recognition.evaluation import (
 from harmface.recognition.gallery import Gallery, Photographs
 from harmface.recognition.methods import BEST, best_method, distance_named
 from harmface.recognition.whitened import FEWEST_PEOPLE
+
+if TYPE_CHECKING:
+    from harmface.recognition.registration import Motion
 
 TRIALS = 1000
 """Most photographs that probabilities and thresholds are estimated from."""
@@ -118,13 +121,14 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         gallery
             Such as `enroll` makes of meshes.
         method
-            A name or a `Distance`.
+            A name or a `Distance`; the classifier has the name that "best" stands for.
 
         Raises
         ------
         ArgumentError
             If the gallery does not hold what the method needs.
         """
+        method = best_method(gallery) if method == BEST else method
         made = cls(method, gallery.mask.shape, gallery.mask, gallery.aligned)
         made.n_features_in_ = gallery.mask.size
         return made._fitted(gallery)
@@ -177,8 +181,10 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.distance_ = self._distance_for(gallery)
         self.model_ = self.distance_.fit(gallery)
         some = spread(len(gallery.which), TRIALS)
+        images = gallery.photographs.images[some]
         self.known_ = Trials(
-            self._compared(self.model_, gallery.photographs.images[some]), gallery.which[some]
+            self.distance_.of_framed.distances(self.model_, images, gallery.mask),
+            gallery.which[some],
         )
         self.held_out_ = self.known_ if self.distance_.of_surfaces else self._held_out(gallery)
         return self
@@ -187,20 +193,17 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         method = best_method(gallery) if self.method == BEST else self.method
         return distance_named(method) if isinstance(method, str) else method
 
-    def _compared(
-        self, model: Model, images: Float[np.ndarray, "n H W"]
-    ) -> Float[np.ndarray, "n N"]:
-        return self.distance_.distances(model, images, self.gallery_.mask)
-
     def _held_out(self, gallery: Gallery) -> Trials | None:
         """Deal every subject's photographs out to folds; compare each with a model of the others.
 
-        With fewer photographs of somebody, one alone may be left of them, or none; then other
-        people who were learned from stand in, half of them learned from the other half.
+        With fewer photographs of somebody, one alone may be left of them, or none. Other people
+        who were learned from stand in, if there are any, half of them learned from the other half:
+        they are known under more light.
         """
         which = gallery.which
-        if np.bincount(which).min() < FOLDS:
-            return self._stand_ins(gallery) if self.distance_.learns else None
+        stand_ins = self._stand_ins(gallery) if self.distance_.learns else None
+        if stand_ins is not None or np.bincount(which).min() < FOLDS:
+            return stand_ins
         fold = np.zeros_like(which)
         for subject in np.unique(which):
             own = which == subject
@@ -241,7 +244,8 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         found, truths = [], []
         for known, probes, truth in tries:
             some = spread(len(truth), TRIALS // len(tries))
-            found.append(self._compared(self.distance_.fit(known), probes[some]))
+            distance = self.distance_.of_framed
+            found.append(distance.distances(distance.fit(known), probes[some], known.mask))
             truths.append(truth[some])
         return Trials(np.concatenate(found), np.concatenate(truths))
 
@@ -249,7 +253,23 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Return the distance of every image to every subject of `classes_`."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
-        return self._compared(self.model_, X.reshape(-1, *self.gallery_.mask.shape))
+        mask = self.gallery_.mask
+        return self.distance_.distances(self.model_, X.reshape(-1, *mask.shape), mask)
+
+    def placed(self, X: Any) -> tuple[Float[np.ndarray, "n N"], "list[Motion] | None"]:
+        """Return the `distances`, and how each image lies against the frame of the gallery.
+
+        That is None of methods that do not search for it, see `framed`.
+        """
+        check_is_fitted(self)
+        if self.distance_.of_framed is self.distance_:
+            return self.distances(X), None
+        from harmface.recognition.framed import FramedDistance
+
+        assert isinstance(self.distance_, FramedDistance)
+        X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
+        mask = self.gallery_.mask
+        return self.distance_.search(self.model_, X.reshape(-1, *mask.shape), mask)
 
     def decision_function(self, X: Any) -> Float[np.ndarray, "n *N"]:
         """Return scores that are greater for nearer subjects.

@@ -50,6 +50,11 @@ class Distance(ABC):
         return slice(0, 9)
 
     @property
+    def of_framed(self) -> "Distance":
+        """The distance to use where probes are known to be framed as the gallery is."""
+        return self
+
+    @property
     def of_surfaces(self) -> bool:
         """Whether subjects are known by harmonic images, and not by photographs."""
         return self.source in (HARMONIC, SHADOWED)

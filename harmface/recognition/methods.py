@@ -20,8 +20,8 @@ from harmface.recognition.spanned import SubspaceDistance
 from harmface.recognition.whitened import WhitenedDistance
 
 ENOUGH = 7
-"""Photographs of a person that tell its looks by themselves: on real faces 7 frontal ones did, and
-with 6 other people still helped."""
+"""Photographs of a person that tell its looks by themselves: 7 frontal ones did on real and on
+procedural faces alike."""
 
 BEST = "best"
 """The method to use, whatever the gallery holds."""
@@ -66,9 +66,12 @@ METHODS: dict[str, Callable[[], Distance]] = {
 """Distances by name: to photographs, but those with a dimension in their name are to harmonic
 images, with attached shadows up to 9 dimensions and with cast shadows beyond."""
 
-BEFORE = (RELIT, HARMONIC, SHADOWED, *NORMALIZERS)
-"""What may stand before a name, with a plus, one of the first three and one of the others: what
-subjects are known by, and what is done to photographs."""
+FRAMED = "framed"
+"""What stands before a method, with a plus, to search for how probes are framed."""
+
+BEFORE = (FRAMED, RELIT, HARMONIC, SHADOWED, *NORMALIZERS)
+"""What may stand before a name, with a plus: how probes are framed, one of what subjects are known
+by, and one of what is done to photographs."""
 
 
 def distance_named(name: str) -> Distance:
@@ -78,7 +81,7 @@ def distance_named(name: str) -> Distance:
     ----------
     name
         One of `METHODS`, with words of `BEFORE` and a plus before it if wanted, such as
-        "shadowed+robust" or "relit+tan-triggs+nearest".
+        "shadowed+robust" or "framed+relit+local".
 
     Raises
     ------
@@ -86,9 +89,9 @@ def distance_named(name: str) -> Distance:
         If there is no such method, or it cannot do with what stands before it.
     """
     *before, method = name.split("+")
-    sources = [word for word in before if word not in NORMALIZERS]
+    sources = [word for word in before if word not in (FRAMED, *NORMALIZERS)]
     normalizers = [word for word in before if word in NORMALIZERS]
-    known = method in METHODS and set(before) <= set(BEFORE)
+    known = method in METHODS and set(before) <= set(BEFORE) and before.count(FRAMED) < 2
     if not known or len(sources) > 1 or len(normalizers) > 1:
         raise ArgumentError(
             f"method must be {BEST}, or one of {', '.join(METHODS)}, or one of {', '.join(BEFORE)} "
@@ -106,18 +109,22 @@ def distance_named(name: str) -> Distance:
     if normalizers:
         source = distance.source
         distance = NormalizedDistance(source, normalizers[0], distance)
+    if FRAMED in before:
+        from harmface.recognition.framed import FramedDistance
+
+        distance = FramedDistance(distance.source, distance)
     return distance
 
 
 def best_method(gallery: Gallery) -> str:
     """Return the name of the method to use with a gallery.
 
-    Of meshes it is what told procedural heads apart by the widest margin; of few photographs a
-    person, `whitened`, where there are other people to learn from; of more photographs under known
-    light, `local` with relit photographs; of others, `local`.
+    Of meshes it is what told procedural heads apart by the widest margin, however probes are
+    framed; of few photographs a person, `whitened`, where there are other people to learn from; of
+    more photographs under known light, `local` with relit photographs; of others, `local`.
     """
     if gallery.harmonic is not None:
-        return "25d"
+        return "framed+25d"
     if gallery.others is not None and wants_others(gallery):
         return "whitened"
     return "local" if gallery.lights is None else "relit+local"

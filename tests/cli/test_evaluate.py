@@ -198,9 +198,9 @@ def test_sessions_links_and_ratios_of_sides(run, photographs, tmp_path):
     assert "--sessions" in outcome.err
     outcome = run(*common, "--sessions", "--size", "20x40")
     assert outcome.code == 0, outcome.err
-    assert "stretched to another ratio of sides" in outcome.err
+    assert "middle is cut out for another ratio of sides" in outcome.err
     assert read_gallery(tmp_path / "g.npz").gallery_.photographs.images.shape == (24, 20, 40)
-    # A probe is stretched as the gallery was, and one of another ratio is refused.
+    # A probe is cut as the gallery was, and one of another ratio is refused.
     probe = "archive/person0/may/1.png"
     outcome = run("recognize", "g.npz", probe, "--json")
     assert json.loads(outcome.out)["results"][0]["ranking"][0]["subject"] == "person0"

@@ -212,7 +212,7 @@ def test_photographs_are_enrolled_and_recognised(run, people, tmp_path):
     assert "3 subjects, 24 photographs at 48 x 42 pixels" in outcome.out
     enrolled = read_gallery(tmp_path / "g.npz")
     assert enrolled.gallery_.facts["files"][:2] == ["ann/0.png", "ann/1.png"]
-    assert enrolled.method == "best"
+    assert enrolled.method == "local"
     for method in ("local", "subspace", "equalized+correlation", "gradient-direction"):
         arguments = ("recognize", "g.npz", "probe.png", "--method", method, "--reject", 0.1)
         record = json.loads(run(*arguments, "--figure", "why.png", "--json").out)
@@ -240,12 +240,48 @@ def test_probes_are_treated_as_the_enrolled_photographs_were(run, people, photog
 def test_fewer_photographs_than_dimensions_are_told_and_do(run, people, tmp_path):
     for number in range(2, 8):
         (tmp_path / people / "ann" / f"{number}.png").unlink()
-    assert "(fewest 2, of ann)" in run("enroll", people, "--out", "g.npz").out
+    enrolled = run("enroll", people, "--method", "local", "--out", "g.npz")
+    assert "(fewest 2, of ann)" in enrolled.out
     record = json.loads(run("recognize", "g.npz", "probe.png", "--json").out)
     ranking = record["results"][0]["ranking"]
     assert ranking[0]["subject"] == "bob"
     # Two photographs are too few to hold some out, so nothing tells how sure a name is.
     assert ranking[0]["probability"] is None
+
+
+def test_one_photograph_a_person_is_enough(run, people, tmp_path):
+    assert "for whitened" in run("enroll", people, "--gallery", "first:1", "--out", "g.npz").out
+    outcome = run("recognize", "g.npz", "probe.png", "--reject", 0.1, "--json")
+    result = json.loads(outcome.out)["results"][0]
+    assert result["ranking"][0]["subject"] == "bob"
+    # Other people stand in for photographs that cannot be left out.
+    assert sum(entry["probability"] for entry in result["ranking"]) == pytest.approx(1)
+
+
+def test_misframed_probes_are_moved_and_named(run, people, photographs, tmp_path):
+    run("enroll", people, "--method", "framed+local", "--out", "g.npz")
+    moved = np.roll(photographs[1, 20], (3, -2), axis=(0, 1))
+    Image.fromarray(moved).save(tmp_path / "moved.png")
+    outcome = run("recognize", "g.npz", "moved.png", "--json")
+    result = json.loads(outcome.out)["results"][0]
+    assert result["ranking"][0]["subject"] == "bob"
+    assert result["framing"]["right"] == pytest.approx(-2, abs=1)
+    assert result["framing"]["down"] == pytest.approx(3, abs=1)
+    assert "moved.png: is framed otherwise" in outcome.err
+
+
+def test_other_people_are_learned_from(run, people, photographs, check_refused, tmp_path):
+    for number in range(4):
+        (tmp_path / "others" / f"{number}").mkdir(parents=True)
+        for k in (3, 20, 40):
+            image = photographs[number % 3, k].astype(float) ** (1 - 0.1 * number)
+            path = tmp_path / "others" / f"{number}" / f"{k}.png"
+            Image.fromarray((255 * image / image.max()).astype(np.uint8)).save(path)
+    learn = ("enroll", people, "--gallery", "first:1", "--learn-from", "others")
+    assert run(*learn, "--out", "g.npz").code == 0
+    shutil.rmtree(tmp_path / "others" / "3")
+    check_refused("at least 4 people.*got 3", *learn, "--out", "h.npz")
+    check_refused("is not a folder", *learn[:-1], "nowhere", "--out", "h.npz")
 
 
 def test_one_subject_has_a_distance_but_no_margin(run, faces, check_refused):

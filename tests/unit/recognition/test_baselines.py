@@ -23,7 +23,8 @@ def faces(rng):
     return (albedo * slope).reshape(20, -1), np.repeat(NAMES, 5)
 
 
-OF_PHOTOGRAPHS = [name for name in METHODS if not distance_named(name).of_surfaces]
+DISTANCES = {name: distance_named(name) for name in METHODS}
+OF_PHOTOGRAPHS = [n for n, each in DISTANCES.items() if not (each.of_surfaces or each.learns)]
 # Normalised photographs are negative; what takes light for light cannot do with them.
 NAMES_OF_ALL = [
     f"{before}+{method}"
@@ -91,10 +92,11 @@ def test_gradient_direction_is_a_unit_vector_along_the_slope():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("eigen", "method must be best, or one of local, robust"),
+        ("eigen", "method must be best, or one of local, whitened"),
         ("sharp+nearest", "method must be best"),
         ("equalized+equalized+nearest", "method must be best"),
         ("relit+shadowed+subspace", "method must be best"),
+        ("framed+framed+local", "method must be best"),
         ("", "method must be best"),
         ("equalized+9d", "9d must have photographs"),
         ("shadowed+lbph", "lbph must have one of photographs, relit"),

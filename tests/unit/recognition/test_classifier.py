@@ -140,7 +140,7 @@ def test_two_subjects_have_one_score(rng):
 
 def test_the_best_method_is_what_the_gallery_allows(gallery, rng):
     cast = replace(gallery, shadowed=np.repeat(gallery.harmonic[:, :1], 25, axis=1))
-    assert SubjectClassifier.from_gallery(cast).distance_ == distance_named("25d")
+    assert SubjectClassifier.from_gallery(cast).distance_ == distance_named("framed+25d")
     photographs = Photographs(np.repeat(["a", "b"], 2), rng.random((4, 6, 5)))
     plain = Gallery(photographs, photographs.everywhere)
     assert SubjectClassifier.from_gallery(plain).distance_ == distance_named("local")

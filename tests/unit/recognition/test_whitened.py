@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from harmface.errors import ArgumentError
-from harmface.recognition import Gallery, Photographs, SubjectClassifier, Windows, log_intensity
+from harmface.recognition import (
+    Gallery,
+    Photographs,
+    SubjectClassifier,
+    Windows,
+    best_method,
+    log_intensity,
+)
 from harmface.recognition.whitened import RIDGES, WhitenedDistance, likeliest_ridge
 
 SHAPE = (24, 20)
@@ -43,8 +50,8 @@ def errors(classifier, world):
 
 def test_other_people_tell_what_one_photograph_does_not(gallery, world):
     assert errors(SubjectClassifier.from_gallery(gallery, "local"), world) > 0.3
-    best = SubjectClassifier.from_gallery(gallery)
-    assert best.distance_ == WhitenedDistance()
+    assert best_method(gallery) == "whitened"
+    best = SubjectClassifier.from_gallery(gallery, "whitened")
     assert errors(best, world) < 0.05
     # Other people stand in for photographs that a gallery of one a person cannot leave out.
     chances = best.predict_proba(world[:PEOPLE, 1].reshape(PEOPLE, -1))
