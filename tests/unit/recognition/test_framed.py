@@ -17,7 +17,7 @@ from harmface.reproduce.synthetic import light_of, mesh_of
 SUBJECTS, SHAPE = 5, (48, 42)
 GRID = yale64()
 KNOWN = np.flatnonzero(GRID.subset == 1)
-LIT = np.flatnonzero((GRID.subset == 2) | (GRID.subset == 3))[::2]
+LIT = np.flatnonzero((GRID.subset == 2) | (GRID.subset == 3))[::4]
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,8 @@ def test_misframed_probes_lose_little(faces, gallery, shift, turn, size):
     framed = SubjectClassifier.from_gallery(gallery, "framed+local")
     straight = framed.score(cropped(probes).reshape(len(probes), -1), truth)
     assert plain.score(rows, truth) < 0.9
-    assert framed.score(rows, truth) >= straight - (0.02 if turn else 0.05)
+    # One probe of thirty: 3.4 %.
+    assert framed.score(rows, truth) >= straight - 0.034
     distances, motions = framed.placed(rows)
     assert np.array_equal(distances, framed.distances(rows))
     assert np.mean([misframed(motion, SHAPE[0]) for motion in motions]) > 0.9
