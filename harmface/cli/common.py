@@ -4,6 +4,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,7 +18,7 @@ from harmface.errors import ArgumentError, FileError, FileWarning
 
 if TYPE_CHECKING:
     from harmface.io import Photograph
-    from harmface.io.galleries import LabelledPhotographs
+    from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
 SrgbOption = Annotated[
@@ -35,6 +36,27 @@ SessionsOption = Annotated[
 MaxPixelsOption = Annotated[
     int | None,
     typer.Option(metavar="N", help="Largest picture read, in pixels; 67 million by default."),
+]
+MethodOption = Annotated[
+    str,
+    typer.Option(
+        help="How to compare: best, whatever was enrolled; of photographs local, whitened, robust, "
+        "registered, subspace, likelihood, cone, correlation, nearest, eigenfaces, eigenfaces-3, "
+        "fisherfaces, gradient-direction, lbph; of meshes also 3d, 4d, 9d, 16d, 25d, "
+        "non-negative-4d, non-negative-9d. Before one may stand framed+ (how probes are framed is "
+        "searched for), what subjects are known by, relit+ "
+        "(photographs and what their surfaces look like under other light), harmonic+ or "
+        "shadowed+ (harmonic images of meshes, without and with cast shadows), and equalized+, "
+        "self-quotient+ or tan-triggs+."
+    ),
+]
+LearnFromOption = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FOLDER",
+        help="Photographs of other people under several lights each, cropped alike, to learn from "
+        "how light changes faces; procedural heads by default.",
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
@@ -180,18 +202,15 @@ def read_enrolled(
     *,
     sessions: bool = False,
     max_pixels: int | None = None,
-) -> tuple["LabelledPhotographs", dict[str, Any]]:
-    """Return the photographs of a folder that are to be enrolled, and how they were read."""
+) -> "Gallery":
+    """Return the gallery of a folder's photographs that are to be enrolled."""
     from harmface.io import choose_gallery, read_image
-    from harmface.io.galleries import LabelledPhotographs
 
     kept, images, skipped = read_subjects(
         folder, shape, srgb, skip_bad, sessions=sessions, max_pixels=max_pixels
     )
     chosen = np.ones(len(kept), bool) if gallery is None else choose_gallery(kept, gallery)
-    used = [photograph for photograph, wanted in zip(kept, chosen, strict=True) if wanted]
     facts = {
-        "files": [str(photograph.path.relative_to(folder)) for photograph in used],
         "gallery": gallery or "all",
         "srgb": srgb,
         "resized": shape is not None,
@@ -201,7 +220,81 @@ def read_enrolled(
         with told():
             first = read_image(kept[0].path, max_pixels=pixel_limit(max_pixels))
         facts["rows_and_columns"] = list(first.shape[:2])
-    return LabelledPhotographs(tuple(each.subject for each in used), images[chosen]), facts
+    return gallery_of_photographs(folder, kept, images, chosen, facts)
+
+
+def gallery_of_photographs(
+    folder: Path,
+    kept: list["Photograph"],
+    images: np.ndarray,
+    chosen: np.ndarray,
+    facts: dict[str, Any],
+) -> "Gallery":
+    """Return the gallery of those photographs of a folder that are chosen."""
+    from harmface.recognition import Gallery, Photographs
+
+    used = [photograph for photograph, wanted in zip(kept, chosen, strict=True) if wanted]
+    lights = [photograph.light for photograph in used]
+    files = [str(photograph.path.relative_to(folder)) for photograph in used]
+    photographs = Photographs(np.array([each.subject for each in used]), images[chosen])
+    return Gallery(
+        photographs,
+        photographs.everywhere,
+        lights=None if None in lights else np.array(lights, dtype=np.float64),
+        facts={"files": files, **facts},
+    )
+
+
+def fitted(
+    gallery: "Gallery", method: str, learn_from: "Photographs | None" = None
+) -> "SubjectClassifier":
+    """Return the classifier of a gallery, with what the method needs beside it.
+
+    Parameters
+    ----------
+    gallery
+        What was read.
+    method
+        Its name.
+    learn_from
+        Photographs of other people; procedural ones if they are needed and none are given.
+    """
+    from harmface.enrollment import with_relit
+    from harmface.recognition import SubjectClassifier, best_method, distance_named
+    from harmface.recognition.gallery import RELIT
+    from harmface.recognition.methods import BEST, wants_others
+
+    learns = wants_others(gallery) if method == BEST else distance_named(method).learns
+    if learns and gallery.others is None:
+        others = _procedural(gallery) if learn_from is None else learn_from
+        gallery = replace(gallery, others=others)
+    wanted = distance_named(best_method(gallery) if method == BEST else method)
+    if wanted.source == RELIT and gallery.relit is None:
+        with errors.status("recovering surfaces"):
+            gallery = with_relit(gallery)
+    with errors.status(method):
+        return SubjectClassifier.from_gallery(gallery, method)
+
+
+def _procedural(gallery: "Gallery") -> "Photographs":
+    from harmface.recognition.framing import in_frame_of
+    from harmface.reproduce.population import procedural_people
+
+    with progress("rendering people to learn from, once") as report:
+        return in_frame_of(gallery, procedural_people(report))
+
+
+def read_others(
+    folder: Path | None, like: "Gallery", srgb: bool, max_pixels: int | None
+) -> "Photographs | None":
+    """Return photographs of other people, cropped and treated as a gallery's."""
+    from harmface.recognition import Photographs
+
+    if folder is None:
+        return None
+    shape = (like.mask.shape[0], like.mask.shape[1])
+    kept, images, _ = read_subjects(folder, shape, srgb, False, max_pixels=max_pixels)
+    return Photographs(np.array([photograph.subject for photograph in kept]), images)
 
 
 def tell_skipped(skipped: list[FileError]) -> None:

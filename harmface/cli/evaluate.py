@@ -17,13 +17,16 @@ from rich.table import Table
 
 from harmface.cli.common import (
     JsonOption,
+    LearnFromOption,
     MaxPixelsOption,
     SessionsOption,
     SkipBadOption,
     SrgbOption,
-    errors,
+    fitted,
+    gallery_of_photographs,
     output,
     read_apart,
+    read_others,
     read_subjects,
     rows_and_columns,
 )
@@ -31,13 +34,12 @@ from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from harmface.io.parts import Parts
+    from harmface.recognition import Gallery, Photographs
 
 SEED = 0
 """Of the bootstrap."""
 
 SECONDS = "seconds_per_probe"
-RENDERED = "rendered+"
-"""Before a method: it is also given photographs rendered under lights that nobody took."""
 
 RESULTS, TABLE, FIGURE, TIMES = "results.json", "table.csv", "figure.png", "times.json"
 FILES = [RESULTS, TABLE, FIGURE, TIMES]
@@ -61,13 +63,11 @@ def evaluate(
     methods: Annotated[
         str,
         typer.Option(
-            help="Comma-separated: best (= rendered+local; local where names do not tell the "
-            "light), robust, registered, subspace, cone, correlation, nearest, eigenfaces, "
-            "eigenfaces-3, fisherfaces, gradient-direction, lbph; with equalized+, self-quotient+ "
-            "or tan-triggs+ before one. With rendered+ before all, the gallery's surfaces are "
-            "recovered and photographs under the nine points of light join it."
+            help="Comma-separated: best, or other methods of `harmface enroll`, such as "
+            "relit+local, robust or tan-triggs+nearest."
         ),
     ] = "best",
+    learn_from: LearnFromOption = None,
     size: Annotated[
         str | None, typer.Option(metavar="HxW", help="Resize to rows x columns, such as 48x42.")
     ] = None,
@@ -96,13 +96,14 @@ def evaluate(
     """
     from harmface.io import choose_gallery, output_folder, prepare_folder
     from harmface.io.parts import Parts, digest
-    from harmface.recognition.baselines import METHODS, recognizer
+    from harmface.recognition import best_method, distance_named
+    from harmface.recognition.methods import wants_others
 
     shape = rows_and_columns(size)
-    settings = {name: METHODS[0] if name == "best" else name for name in methods.split(",")}
-    for setting in settings.values():
-        # Names the methods there are before anything is read.
-        recognizer(setting.removeprefix(RENDERED), (1, 1), 1)
+    asked = list(dict.fromkeys(methods.split(",")))
+    for name in asked:
+        if name != "best":
+            distance_named(name)  # names the methods there are before anything is read
     if out is not None:
         if not read_apart(Path(os.path.realpath(out)), [folder.resolve()]):
             raise FileError(f"{out}: lies in {folder}, which is read; give a folder elsewhere")
@@ -116,17 +117,22 @@ def evaluate(
         raise ArgumentError(f"gallery {gallery} holds every photograph, and leaves no probe")
     names = np.array([photograph.subject for photograph in kept])
     subsets = np.array([photograph.subset for photograph in kept])[~enrolled]
-    lights = [photograph.light for photograph, one in zip(kept, enrolled, strict=True) if one]
-    if "best" in settings and None not in lights:
-        settings["best"] = RENDERED + METHODS[0]
+    known = gallery_of_photographs(folder, kept, images, enrolled, {})
+    others = read_others(learn_from, known, srgb, max_pixels)
+    best = "whitened" if wants_others(known) else best_method(known)
+    settings = {name: best if name == "best" else name for name in asked}
     with ExitStack() as held:
         parts = None
         if out is not None:
             held.enter_context(output_folder(out, FILES))
-            request = {"lights": lights, "settings": settings, "seed": SEED}
+            request = {"settings": settings, "seed": SEED}
             data = {"images": images, "names": names, "subsets": subsets, "enrolled": enrolled}
+            data |= {} if known.lights is None else {"lights": known.lights}
+            data |= {} if others is None else {"others": others.images}
             parts = Parts(out, digest(request, data))
-        results = _results(settings, parts, images, names, enrolled, subsets, lights)
+        results = _results(
+            settings, parts, known, others, images[~enrolled], names[~enrolled], subsets
+        )
         record = {
             "gallery": gallery,
             "images_enrolled": int(enrolled.sum()),
@@ -141,11 +147,7 @@ def evaluate(
                 "rows_and_columns": list(images.shape[1:]),
                 "srgb": srgb,
                 "settings": settings,
-                "enrolled": [
-                    str(photograph.path.relative_to(folder))
-                    for photograph, chosen in zip(kept, enrolled, strict=True)
-                    if chosen
-                ],
+                "enrolled": known.facts["files"],
                 "skipped": [str(error) for error in skipped],
                 "bootstrap_seed": SEED,
                 "python": platform.python_version(),
@@ -166,44 +168,36 @@ def evaluate(
 def _results(
     settings: dict[str, str],
     parts: "Parts | None",
-    images: np.ndarray,
+    gallery: "Gallery",
+    others: "Photographs | None",
+    probes: np.ndarray,
     names: np.ndarray,
-    enrolled: np.ndarray,
     subsets: np.ndarray,
-    lights: list[Any],
 ) -> dict[str, dict[str, Any]]:
     """Return the figures of every method; what a stopped run found is taken from its parts."""
-    from harmface.enrollment import with_nine_points
-    from harmface.recognition.baselines import recognizer
-    from harmface.recognition.evaluation import distances_by
-
-    galleries = {"": (images[enrolled], names[enrolled])}
-    probes = images[~enrolled].reshape((~enrolled).sum(), -1)
+    rows = probes.reshape(len(probes), -1)
     results: dict[str, dict[str, Any]] = {}
     for name, setting in settings.items():
         kept = None if parts is None else parts.load(setting)
         if kept is not None:
             results[name] = kept[1]
             continue
-        if setting.startswith(RENDERED) and RENDERED not in galleries:
-            with errors.status("recovering surfaces"):
-                galleries[RENDERED] = with_nine_points(*galleries[""], lights)
-        with errors.status(name):
-            given, shown = galleries[RENDERED if setting.startswith(RENDERED) else ""]
-            each = int(np.unique(shown, return_counts=True)[1].min())
-            method = recognizer(setting.removeprefix(RENDERED), images.shape[1:], each)
-            method.fit(given.reshape(len(given), -1), shown)
-            start = time.perf_counter()
-            distances = distances_by(method, probes)
-            seconds = (time.perf_counter() - start) / len(probes)
-        truth = np.searchsorted(method.classes_, names[~enrolled])
-        results[name] = {**_figures(distances, truth, subsets), SECONDS: seconds}
+        classifier = fitted(gallery, setting, others)
+        gallery = classifier.gallery_
+        start = time.perf_counter()
+        distances = classifier.distances(rows)
+        seconds = (time.perf_counter() - start) / len(rows)
+        truth = np.searchsorted(classifier.classes_, names)
+        chances = classifier.probabilities(distances) if classifier.calibrated else None
+        results[name] = {**_figures(distances, truth, subsets, chances), SECONDS: seconds}
         if parts is not None:
             parts.save(setting, {}, results[name])
     return results
 
 
-def _figures(distances: np.ndarray, truth: np.ndarray, subsets: np.ndarray) -> dict[str, Any]:
+def _figures(
+    distances: np.ndarray, truth: np.ndarray, subsets: np.ndarray, chances: np.ndarray | None
+) -> dict[str, Any]:
     """Return how many probes were misnamed, and the curves."""
     from harmface.recognition import evaluation
 
@@ -235,6 +229,19 @@ def _figures(distances: np.ndarray, truth: np.ndarray, subsets: np.ndarray) -> d
         "interval": interval(np.ones_like(wrong)),
         "cumulative_match": evaluation.cumulative_match(distances, truth).tolist(),
         "roc": {"false_accepts": rates.tolist(), **curves},
+        "reliability": None if chances is None else _reliability(chances, truth),
+    }
+
+
+def _reliability(chances: np.ndarray, truth: np.ndarray) -> dict[str, Any]:
+    from harmface.recognition.evaluation import reliability
+
+    found = reliability(chances, truth)
+    return {
+        "claimed": found.claimed.tolist(),
+        "right": found.right.tolist(),
+        "count": found.count.tolist(),
+        "expected_error": found.expected_error,
     }
 
 

@@ -1,6 +1,7 @@
 """`harmface enroll` and `harmface recognize`."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,29 +12,33 @@ from rich.table import Table
 from harmface import checks
 from harmface.cli.common import (
     JsonOption,
+    LearnFromOption,
     MaxPixelsOption,
+    MethodOption,
     SessionsOption,
     SkipBadOption,
     SrgbOption,
     claim_outputs,
     errors,
+    fitted,
     holds_photographs,
     mesh_files,
     output,
     progress,
     read_enrolled,
+    read_others,
     read_probes,
     rows_and_columns,
     rows_of_square,
     tell_skipped,
 )
-from harmface.cli.matchers import DEGREES, Matcher, matcher_of
 from harmface.cli.mesh_options import MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
-    from harmface.io.galleries import Enrolled
+    from harmface.recognition import Gallery, SubjectClassifier
+    from harmface.recognition.registration import Motion
 
 MOST_PICTURED = 40
 """Most probes in one figure."""
@@ -50,14 +55,8 @@ def enroll(
         ),
     ],
     out: Annotated[Path, typer.Option(help="Gallery file (.npz) to write.")],
-    method: Annotated[
-        str | None,
-        typer.Option(
-            help="What the gallery is for. Meshes: 9d (default), 3d, 4d, 16d (more than 9d with "
-            "--cast-shadows only), 25d, non-negative-4d, non-negative-9d, or any method of "
-            "photographs. Photographs: local (default) or any other method of `evaluate`."
-        ),
-    ] = None,
+    method: MethodOption = "best",
+    learn_from: LearnFromOption = None,
     size: Annotated[
         str | None,
         typer.Option(help="N rows and columns for meshes (64); HxW to resize photographs to."),
@@ -69,18 +68,6 @@ def enroll(
             "text file of their names; all by default."
         ),
     ] = None,
-    cast_shadows: Annotated[
-        bool,
-        typer.Option(help="Cast rays for the shadows of a head on itself: slower and better."),
-    ] = False,
-    from_stereo: Annotated[
-        bool,
-        typer.Option(
-            "--from-stereo",
-            help="Recover surfaces from the photographs, whose names must tell the light, and "
-            "enroll what they look like under the nine points of light besides.",
-        ),
-    ] = False,
     srgb: SrgbOption = False,
     sessions: SessionsOption = False,
     max_pixels: MaxPixelsOption = None,
@@ -96,32 +83,37 @@ def enroll(
     photographs, such as local, is given nine pictures of each mesh, under the nine points of light.
 
     Photographs must be cropped alike; those to be recognised are treated as they are (--srgb,
-    --size).
+    --size). Of fewer than seven a person, what light does to faces is learned from other people:
+    from procedural heads, rendered once and kept, or from --learn-from. Of more whose names tell
+    the light, as Extended Yale B has, surfaces are recovered, and what they look like under the
+    nine points of light is enrolled besides.
 
     Example: harmface enroll faces --size 64 --out gallery.npz
 
-    Example: harmface enroll CroppedYale --gallery subset1 --size 48x42 --from-stereo --out g.npz
+    Example: harmface enroll CroppedYale --gallery subset1 --size 48x42 --out people.npz
     """
     from harmface.io import write_gallery
+    from harmface.recognition import distance_named
 
     claim_outputs(out, inputs=[*sources, *filter(None, [mesh_reading.texture])])
+    if method != "best":
+        distance_named(method)  # names the methods there are before anything is read
     if holds_photographs(sources):
-        if cast_shadows or mesh_reading != MeshReading():
-            raise ArgumentError(
-                "--cast-shadows and options on how to read a mesh are for meshes, not photographs"
-            )
-        how = {"sessions": sessions, "max_pixels": max_pixels}
-        enrolled = _from_photographs(
-            *(sources[0], method, gallery, size, srgb, skip_bad, from_stereo), how
+        if mesh_reading != MeshReading():
+            raise ArgumentError("options on how to read a mesh are for meshes, not photographs")
+        enrolled = read_enrolled(
+            *(sources[0], gallery, rows_and_columns(size), srgb, skip_bad),
+            sessions=sessions,
+            max_pixels=max_pixels,
         )
     else:
-        if gallery is not None or srgb or from_stereo or sessions:
-            raise ArgumentError(
-                "--gallery, --from-stereo, --sessions and --srgb are for photographs, not meshes"
-            )
-        enrolled = _from_meshes(sources, method, size, cast_shadows, mesh_reading, skip_bad)
-    write_gallery(out, enrolled)
-    output.print(f"{enrolled.summary} in {out}, for {enrolled.method}", soft_wrap=True)
+        if gallery is not None or srgb or sessions:
+            raise ArgumentError("--gallery, --sessions and --srgb are for photographs, not meshes")
+        enrolled = _from_meshes(sources, size, mesh_reading, skip_bad)
+    others = read_others(learn_from, enrolled, srgb, max_pixels)
+    classifier = fitted(enrolled, method, others)
+    write_gallery(out, classifier)
+    output.print(f"{enrolled.summary} in {out}, for {classifier.method}", soft_wrap=True)
 
 
 def recognize(
@@ -129,11 +121,7 @@ def recognize(
     images: Annotated[list[Path], typer.Argument(metavar="IMAGES...", help="Photographs.")],
     method: Annotated[
         str | None,
-        typer.Option(
-            help="How to compare; by default what the gallery was enrolled for. Harmonic images "
-            "serve 3d, 4d, 9d, 16d, 25d, non-negative-4d, non-negative-9d; photographs serve "
-            "local and every other method of `evaluate`."
-        ),
+        typer.Option(help="Another method than the gallery was enrolled for, see `enroll`."),
     ] = None,
     top: Annotated[int, typer.Option(help="How many subjects to list for each image.")] = 5,
     reject: Annotated[
@@ -166,16 +154,16 @@ def recognize(
     Example: harmface recognize gallery.npz *.png --reject 0.01 --figure why.png
     """
     from harmface.io import read_gallery
-    from harmface.recognition import margins, posteriors
-    from harmface.recognition.evaluation import independence
+    from harmface.recognition import margins
 
     checks.positive_integer("--top", top)
     claim_outputs(figure, inputs=[gallery, *images])
-    enrolled = read_gallery(gallery)
-    matcher = matcher_of(enrolled, method or enrolled.method, gallery)
-    facts = enrolled.facts
+    classifier = read_gallery(gallery)
+    if method not in (None, classifier.method):
+        classifier = fitted(classifier.gallery_, method)
+    enrolled = classifier.gallery_
     paths, probes, skipped = read_probes(
-        *(images, enrolled.mask, srgb or facts.get("srgb") is True, skip_bad),
+        *(images, enrolled.mask, srgb or enrolled.facts.get("srgb") is True, skip_bad),
         like=_stored_size(enrolled),
         max_pixels=max_pixels,
     )
@@ -184,18 +172,17 @@ def recognize(
             f"--figure shows {MOST_PICTURED} images at most, got {len(paths)}; give fewer at a time"
         )
     with errors.status("comparing"):
-        distances = matcher.distances(probes)
-        rejection = None if reject is None else _rejection(matcher, reject, gallery)
-        several = len(enrolled.names) > 1
-        held_out = matcher.held_out if several else None
-    margin = margins(distances) if several else None
-    chances = None if held_out is None else posteriors(distances, independence(*held_out))
+        distances, motions = classifier.placed(probes.reshape(len(probes), -1))
+        rejection = None if reject is None else asdict(classifier.rejection(reject))
+    names = [str(name) for name in classifier.classes_]
+    margin = margins(distances) if len(names) > 1 else None
+    chances = classifier.probabilities(distances) if classifier.calibrated else None
     results = []
     for row, path in enumerate(paths):
         nearest = distances[row].argsort(kind="stable")[:top]
         ranking = [
             {
-                "subject": enrolled.names[i],
+                "subject": names[i],
                 "distance": float(distances[row, i]),
                 "probability": None if chances is None else float(chances[row, i]),
             }
@@ -204,16 +191,18 @@ def recognize(
         result: dict[str, Any] = {"image": str(path), "ranking": ranking, "margin": None}
         if margin is not None:
             result["margin"] = float(margin[row])
+        if motions is not None:
+            result["framing"] = asdict(motions[row])
+            _tell_framing(path, motions[row], enrolled.mask.shape[0])
         if rejection is not None:
             result["known"] = result["margin"] > rejection["least_margin"]
         results.append(result)
     if figure is not None:
-        _draw(figure, matcher, paths, probes, distances)
+        _draw(figure, classifier, paths, probes, distances)
     if as_json:
         record = {
-            "method": matcher.method,
-            "content": enrolled.content,
-            "subjects": len(enrolled.names),
+            "method": classifier.method,
+            "subjects": len(names),
             "rejection": rejection,
             "skipped": len(skipped),
             "results": results,
@@ -224,7 +213,7 @@ def recognize(
         _print_answer(result, rejection)
 
 
-def _stored_size(enrolled: "Enrolled") -> tuple[int, int] | None:
+def _stored_size(enrolled: "Gallery") -> tuple[int, int] | None:
     """Return the rows and columns of a gallery's photographs before they were resized, if so."""
     if enrolled.facts.get("resized") is not True:
         return None
@@ -238,123 +227,60 @@ def _stored_size(enrolled: "Enrolled") -> tuple[int, int] | None:
     return found[0], found[1]
 
 
-def _from_photographs(
-    folder: Path,
-    method: str | None,
-    gallery: str | None,
-    size: str | None,
-    srgb: bool,
-    skip_bad: bool,
-    from_stereo: bool,
-    how: dict[str, Any],
-) -> "Enrolled":
-    from harmface.enrollment import with_nine_points
-    from harmface.io.galleries import LabelledPhotographs, enrolled_photographs
-    from harmface.io.photo_sets import yale_light
-    from harmface.recognition.baselines import METHODS, recognizer
-
-    shape = rows_and_columns(size)
-    method = method or METHODS[0]
-    if method in DEGREES:
-        raise ArgumentError(
-            f"--method {method} needs meshes, {folder} holds none; photographs serve "
-            f"{', '.join(METHODS)}"
-        )
-    recognizer(method, (1, 1), 1)  # names the methods there are before anything is read
-    photographs, facts = read_enrolled(folder, gallery, shape, srgb, skip_bad, **how)
-    if from_stereo:
-        lights = [yale_light(Path(name).name) for name in facts["files"]]
-        taken = np.array(photographs.subjects)
-        images, subjects = with_nine_points(photographs.images, taken, lights)
-        photographs = LabelledPhotographs(tuple(subjects.tolist()), images)
-    facts["from_stereo"] = from_stereo
-    return enrolled_photographs(photographs, method, facts=facts)
-
-
 def _from_meshes(
-    sources: list[Path],
-    method: str | None,
-    size: str | None,
-    cast_shadows: bool,
-    mesh_reading: MeshReading,
-    skip_bad: bool,
-) -> "Enrolled":
-    """Enroll harmonic images, or what photographs under the nine points of light would show."""
-    from harmface.io.galleries import Enrolled, LabelledPhotographs, enrolled_photographs
-    from harmface.light import DistantLight
-    from harmface.recognition import Gallery, nine_points, subject_images, subject_photographs
-    from harmface.recognition.baselines import recognizer
+    sources: list[Path], size: str | None, mesh_reading: MeshReading, skip_bad: bool
+) -> "Gallery":
+    """Return the gallery of mesh files."""
+    from harmface.recognition.meshes import gallery_of_meshes, subject_models
 
-    method = method or "9d"
-    if method not in DEGREES:
-        try:
-            recognizer(method, (1, 1), 1)
-        except ArgumentError as error:
-            raise ArgumentError(f"{error}; for meshes also {', '.join(DEGREES)}") from None
     side = rows_of_square(size or "64")
-    light = DistantLight(nine_points(), np.eye(9))
     files = mesh_files(sources)
-    names, images, photographs, skipped = [], [], [], []
+    models, skipped = {}, []
     with progress("enrolling") as report:
         for number, (name, path) in enumerate(files.items()):
             try:
-                mesh = mesh_reading.load(path)
-                degree = max(2, DEGREES[method]) if method in DEGREES else 0
-                harmonic = subject_images(mesh, side, degree, cast_shadows and degree > 0)
-                nine = subject_photographs(mesh, light, side)
-                if not nine.any(axis=(1, 2)).all():
-                    raise ArgumentError("is black under some light; give it some albedo")
+                models[name] = subject_models(mesh_reading.load(path), side)
             except (ArgumentError, FileError) as error:
                 found = error if isinstance(error, FileError) else FileError(f"{path}: {error}")
                 if not skip_bad:
                     raise found from None
                 skipped.append(found)
-                continue
-            names.append(name)
-            images.append(harmonic)
-            # An exposure for each, as a camera sets it.
-            photographs.append(nine / nine.max(axis=(1, 2), keepdims=True))
             report((number + 1) / len(files))
     tell_skipped(skipped)
-    if not names:
+    if not models:
         raise FileError("no mesh could be read")
-    gallery = Gallery(tuple(names), np.stack(images))
     facts = {
-        "files": [str(files[name]) for name in names],
-        "cast_shadows": cast_shadows,
+        "files": [str(files[name]) for name in sorted(models)],
         "skipped": [str(error) for error in skipped],
     }
-    trials = LabelledPhotographs(tuple(np.repeat(names, 9).tolist()), np.concatenate(photographs))
-    if method in DEGREES:
-        return Enrolled(gallery, method, trials, gallery.mask, True, facts)
-    return enrolled_photographs(trials, method, mask=gallery.mask, aligned=True, facts=facts)
+    return gallery_of_meshes(models, facts)
 
 
-def _rejection(matcher: Matcher, rate: float, path: Path) -> dict[str, float]:
-    from harmface.recognition.evaluation import rejection_by_margin
+def _tell_framing(path: Path, motion: "Motion", rows: int) -> None:
+    from harmface.recognition.framed import misframed
 
-    subjects, tried = len(matcher.enrolled.names), matcher.tried
-    if tried is None or subjects < 3:
-        raise ArgumentError(
-            f"--reject needs three subjects and photographs of them to estimate from; {path} has "
-            f"{subjects} and {'none' if tried is None else len(tried[0])}; enroll more"
+    if misframed(motion, rows):
+        errors.print(
+            f"note: {path}: is framed otherwise than the gallery, {motion.right:+.1f} pixels to "
+            f"the right, {motion.down:+.1f} down, turned by {motion.rotation:+.1f} degrees and "
+            f"{motion.scale:.2f} times as large; it was moved",
+            highlight=False,
+            soft_wrap=True,
         )
-    found = rejection_by_margin(*tried, rate)
-    return {
-        "least_margin": 1 - found.threshold,
-        "false_accept_rate": found.false_accept_rate,
-        "strangers": found.strangers,
-    }
 
 
 def _draw(
-    path: Path, matcher: Matcher, paths: list[Path], probes: np.ndarray, distances: np.ndarray
+    path: Path,
+    classifier: "SubjectClassifier",
+    paths: list[Path],
+    probes: np.ndarray,
+    distances: np.ndarray,
 ) -> None:
     from harmface.viz import Explanation, explanation_figure, write_figure
 
     nearest = distances.argsort(axis=1, kind="stable")[:, :2]
-    found = [matcher.reconstructions(probes, column) for column in nearest.T]
-    light, names = found[0][1], matcher.enrolled.names
+    found = [classifier.explained(probes, column) for column in nearest.T]
+    light, names = found[0][1], classifier.classes_
     explanations = [
         Explanation(
             each.name,
@@ -367,7 +293,7 @@ def _draw(
         )
         for row, each in enumerate(paths)
     ]
-    write_figure(path, explanation_figure(explanations, matcher.mask))
+    write_figure(path, explanation_figure(explanations, classifier.gallery_.mask))
 
 
 def _print_answer(result: dict[str, Any], rejection: dict[str, float] | None) -> None:
@@ -381,8 +307,8 @@ def _print_answer(result: dict[str, Any], rejection: dict[str, float] | None) ->
     if rejection is not None:
         verdict = (
             f": {'accepted' if result['known'] else 'rejected as a stranger'} "
-            f"({rejection['false_accept_rate']:.2%} of {rejection['strangers']} strangers exceed "
-            f"{rejection['least_margin']:.1%})"
+            f"({rejection['false_accept_rate']:.2%} of strangers are expected to exceed "
+            f"{rejection['least_margin']:.1%}, by {rejection['strangers']} images)"
         )
     if result["margin"] is not None:
         output.print(f"margin {result['margin']:.1%}{verdict}", highlight=False, soft_wrap=True)

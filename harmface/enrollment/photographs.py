@@ -1,6 +1,6 @@
 """From photographs to recovered subjects, and to the photographs that were not taken."""
 
-from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -10,6 +10,7 @@ from harmface.enrollment.subject import RelitSubject
 from harmface.enrollment.surfaces import depths_near_generic
 from harmface.errors import ArgumentError
 from harmface.geometry import depth_least_squares
+from harmface.recognition.gallery import Gallery, Photographs
 from harmface.recognition.nine_points import nine_points
 from harmface.stereo import photometric_stereo
 
@@ -104,12 +105,8 @@ def from_stereo(
     return RelitSubject(depth, result.albedo * scale)
 
 
-def with_nine_points(
-    photographs: Float[np.ndarray, "n H W"],
-    subjects: np.ndarray,
-    lights: Sequence[tuple[float, float, float] | None],
-) -> tuple[Float[np.ndarray, "m H W"], np.ndarray]:
-    """Return a gallery's photographs, and after them those that were not taken.
+def with_relit(gallery: Gallery) -> Gallery:
+    """Return a gallery with the photographs that were not taken, as `relit`.
 
     They are rendered from the subjects' surfaces, under those of the nine points of light that no
     photograph of the subject is near. Together they span what a face can look like; photographs
@@ -117,40 +114,32 @@ def with_nine_points(
 
     Parameters
     ----------
-    photographs
-        Linear photographs, framed alike.
-    subjects
-        Who each shows.
-    lights
-        Unit direction to the light of each, as the names of photographs tell it.
-
-    Returns
-    -------
-    tuple
-        Photographs, in the precision of those given, and subjects.
+    gallery
+        Photographs of known light.
 
     Raises
     ------
     ArgumentError
-        As `from_known_lights`, and if a light is not known.
+        As `from_known_lights`, and if lights are not known.
     """
-    if any(light is None for light in lights):
+    if gallery.lights is None:
         raise ArgumentError(
             "photographs must have names that tell the light, as Extended Yale B has, for surfaces "
             "to be recovered; recognise by the photographs alone"
         )
-    directions = np.array(lights, dtype=np.float64)
-    found = from_known_lights(photographs, subjects, directions)
-    images, names = [photographs], [subjects]
-    for name, subject in found.items():
-        nearest = (nine_points() @ directions[subjects == name].T).max(axis=1)
+    photographs, subjects = gallery.photographs.images, gallery.photographs.subjects
+    found = from_known_lights(photographs, subjects, gallery.lights)
+    images, names = [photographs[:0]], [subjects[:0]]
+    for name, subject in zip(gallery.names, found.values(), strict=True):
+        nearest = (nine_points() @ gallery.lights[subjects == name].T).max(axis=1)
         missing = nine_points()[nearest < np.cos(np.radians(NEAR))]
         if len(missing):
             images.append(subject.photographs(missing))
             names.append(np.repeat(name, len(missing)))
+    rendered, shown = np.concatenate(images), np.concatenate(names)
     # A camera would saturate where the photographs do.
-    gallery = np.minimum(np.concatenate(images), photographs.max())
-    return gallery.astype(photographs.dtype), np.concatenate(names)
+    rendered = np.minimum(rendered, photographs.max()).astype(photographs.dtype)
+    return replace(gallery, relit=Photographs(shown, rendered))
 
 
 def _subject(depth: Float[np.ndarray, "H W"], g: Float[np.ndarray, "H W"]) -> RelitSubject:

@@ -1,198 +1,120 @@
-"""Gallery files: who is enrolled, as harmonic images or as photographs."""
+"""Gallery files: who is enrolled, and the fitted classifier that recognises them."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Integer
 
 from harmface import checks
 from harmface.errors import ArgumentError, FileError
 from harmface.io.files import PARSE_ERRORS, excerpt
 from harmface.io.npz import read_npz, write_npz
-from harmface.recognition.evaluation import spread
-from harmface.recognition.gallery import Gallery
+from harmface.recognition.classifier import SubjectClassifier, Trials
+from harmface.recognition.gallery import HARMONIC, RELIT, SHADOWED, Gallery, Photographs
 
-KIND, VERSION = "gallery", 2
-HARMONIC_IMAGES, PHOTOGRAPHS = "harmonic images", "photographs"
+KIND, VERSION = "gallery", 3
+MODEL, KNOWN, HELD_OUT = "model.", "known", "held_out"
+"""How the arrays of a classifier begin: its model, and the two `Trials`."""
+
+OPTIONAL = ("lights", HARMONIC, SHADOWED)
 
 
-@dataclass(frozen=True, eq=False)
-class LabelledPhotographs:
-    """Photographs of subjects in one common frame.
+def write_gallery(path: Path | str, classifier: SubjectClassifier) -> None:
+    """Write a fitted classifier, whose method is a name, and its gallery to a versioned NPZ file.
 
-    Parameters
-    ----------
-    subjects
-        Whom each photograph shows.
-    images
-        Linear luminance, nowhere negative, each with some contrast.
+    Raises
+    ------
+    ArgumentError
+        If the method is a `Distance` and not a name, or the subjects' names are not text.
     """
-
-    subjects: tuple[str, ...]
-    images: Float[np.ndarray, "n H W"]
-
-    def __post_init__(self) -> None:
-        checks.non_negative("images", self.images)
-        if self.images.ndim != 3 or len(self.subjects) != len(self.images) or not self.subjects:
-            raise ArgumentError(
-                f"subjects must name each photograph of images, got {len(self.subjects)} names "
-                f"and images of shape {self.images.shape}"
-            )
-        flat = np.ptp(self.images, axis=(1, 2)) == 0
-        if flat.any():
-            raise ArgumentError(
-                f"images must show something, but number {flat.argmax()} has one value everywhere"
-            )
-
-
-@dataclass(frozen=True, eq=False)
-class Enrolled:
-    """All that a gallery file holds.
-
-    Parameters
-    ----------
-    gallery
-        Harmonic images, or photographs, that subjects are recognised by.
-    method
-        The method that the gallery was made for.
-    trials
-        Photographs of enrolled subjects that a threshold and probabilities are estimated from;
-        without them neither can be.
-    mask
-        Pixels that are compared.
-    aligned
-        Whether probes are framed exactly as the gallery, as renderings are; photographs are not.
-    facts
-        How the gallery was made, for people and programs to read: anything JSON can hold.
-    """
-
-    gallery: Gallery | LabelledPhotographs
-    method: str
-    trials: LabelledPhotographs | None
-    mask: Bool[np.ndarray, "H W"]
-    aligned: bool
-    facts: Mapping[str, Any] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        frames = [self.gallery.images, *([self.trials.images] if self.trials else [])]
-        if any(images.shape[-2:] != self.mask.shape for images in frames):
-            raise ArgumentError(
-                f"gallery, trials and mask must be of one size, got "
-                f"{[images.shape[-2:] for images in frames]} and {self.mask.shape}"
-            )
-        if not self.mask.any():
-            raise ArgumentError("mask must leave some pixels to compare, got none")
-        if self.trials and not set(self.trials.subjects) <= set(self.gallery.subjects):
-            raise ArgumentError("trials must be of subjects of the gallery")
-
-    @property
-    def content(self) -> str:
-        """What subjects are recognised by: "harmonic images" or "photographs"."""
-        return HARMONIC_IMAGES if isinstance(self.gallery, Gallery) else PHOTOGRAPHS
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The subjects, in the order that distances to them have."""
-        return tuple(sorted(set(self.gallery.subjects)))
-
-    @property
-    def summary(self) -> str:
-        """How many subjects and photographs there are, and of whom fewest if they differ."""
-        names, counts = np.unique(self.gallery.subjects, return_counts=True)
-        text = f"{len(names)} {'subject' if len(names) == 1 else 'subjects'}"
-        if self.content == PHOTOGRAPHS:
-            text += f", {counts.sum()} {'photograph' if counts.sum() == 1 else 'photographs'}"
-        if counts.min() < counts.max():
-            text += f" (fewest {counts.min()}, of {names[counts.argmin()]})"
-        return f"{text} at {self.mask.shape[0]} x {self.mask.shape[1]} pixels"
-
-    def some_trials(
-        self, most: int
-    ) -> tuple[Float[np.ndarray, "t H W"], Integer[np.ndarray, "t"]] | None:
-        """Return at most so many trials, spread over all, and which of `names` each shows."""
-        if self.trials is None:
-            return None
-        some = spread(len(self.trials.images), most)
-        which = np.searchsorted(self.names, self.trials.subjects)
-        return self.trials.images[some], which[some]
-
-
-def enrolled_photographs(
-    photographs: LabelledPhotographs,
-    method: str,
-    *,
-    mask: Bool[np.ndarray, "H W"] | None = None,
-    aligned: bool = False,
-    facts: Mapping[str, Any] | None = None,
-) -> Enrolled:
-    """Return a gallery of photographs, which are their own trials.
-
-    Parameters
-    ----------
-    photographs
-        Those of every subject.
-    method
-        The method that the gallery is for.
-    mask
-        Pixels that are compared; by default all are.
-    aligned, facts
-        See `Enrolled`.
-    """
-    mask = np.ones(photographs.images.shape[1:], bool) if mask is None else mask
-    return Enrolled(photographs, method, photographs, mask, aligned, facts or {})
-
-
-def write_gallery(path: Path | str, enrolled: Enrolled) -> None:
-    """Write a gallery to a versioned NPZ file."""
-    arrays = {"images": enrolled.gallery.images, "mask": enrolled.mask}
-    attributes = {
-        "content": enrolled.content,
-        "method": enrolled.method,
-        "subjects": list(enrolled.gallery.subjects),
-        "aligned": enrolled.aligned,
-        "facts": dict(enrolled.facts),
+    gallery = classifier.gallery_
+    if not isinstance(classifier.method, str) or gallery.names.dtype.kind != "U":
+        raise ArgumentError("classifier must have a method by its name and subjects that are text")
+    arrays = {"photographs": gallery.photographs.images, "mask": gallery.mask}
+    for name in OPTIONAL:
+        if getattr(gallery, name) is not None:
+            arrays[name] = getattr(gallery, name)
+    attributes: dict[str, Any] = {
+        "method": classifier.method,
+        "subjects": gallery.photographs.subjects.tolist(),
+        "aligned": gallery.aligned,
+        "facts": dict(gallery.facts),
     }
-    if enrolled.trials is not None and enrolled.trials is not enrolled.gallery:
-        arrays["trials"] = enrolled.trials.images
-        attributes["trials"] = list(enrolled.trials.subjects)
+    if gallery.relit is not None:
+        arrays[RELIT] = gallery.relit.images
+        attributes[RELIT] = gallery.relit.subjects.tolist()
+    arrays |= {MODEL + name: own for name, own in classifier.model_.items()}
+    for name, trials in ((KNOWN, classifier.known_), (HELD_OUT, classifier.held_out_)):
+        if trials is not None:
+            arrays |= {name: trials.distances, f"{name}.truth": trials.truth}
     write_npz(path, KIND, VERSION, arrays, attributes)
 
 
-def read_gallery(path: Path | str) -> Enrolled:
-    """Read a gallery that `write_gallery` made.
+def read_gallery(path: Path | str) -> SubjectClassifier:
+    """Read a classifier that `write_gallery` wrote; nothing is fitted again.
 
     Raises
     ------
     FileError
-        If the file is missing, of another kind or version, or changed since it was written.
+        If the file is missing, of another kind or version, or changed since it was written, or if
+        its model cannot recognise.
     """
     arrays, attributes = read_npz(path, KIND, VERSION)
     try:
-        return _enrolled(arrays, attributes)
+        return _classifier(arrays, attributes)
     except KeyError as error:
         raise FileError(f"{path}: is a gallery without {error}; enroll again") from None
     except PARSE_ERRORS as error:
         raise FileError(f"{path}: is no gallery of use ({excerpt(error)}); enroll again") from None
 
 
-def _enrolled(arrays: dict[str, np.ndarray], attributes: dict[str, Any]) -> Enrolled:
+def _classifier(arrays: dict[str, np.ndarray], attributes: dict[str, Any]) -> SubjectClassifier:
     method, facts = attributes["method"], attributes["facts"]
     if not isinstance(method, str) or not isinstance(facts, dict):
         raise TypeError("method must be a name and facts a table")
-    images, mask = arrays["images"], arrays["mask"]
-    if mask.dtype != bool or mask.ndim != 2 or images.dtype.kind != "f":
-        raise TypeError("images must be real numbers and mask a picture of true and false")
-    subjects = tuple(map(str, attributes["subjects"]))
-    aligned = attributes["aligned"] is True
-    if attributes["content"] == PHOTOGRAPHS:
-        photographs = LabelledPhotographs(subjects, images)
-        return enrolled_photographs(photographs, method, mask=mask, aligned=aligned, facts=facts)
-    if attributes["content"] != HARMONIC_IMAGES or images.ndim != 4:
-        raise ValueError(f"its content is {attributes['content']!r}")
-    trials = None
-    if "trials" in arrays:
-        trials = LabelledPhotographs(tuple(map(str, attributes["trials"])), arrays["trials"])
-    return Enrolled(Gallery(subjects, images), method, trials, mask, aligned, facts)
+    mask = arrays["mask"]
+    if mask.dtype != bool or mask.ndim != 2:
+        raise TypeError("mask must be a picture of true and false")
+    real = {name: own for name, own in arrays.items() if name != "mask"}
+    for name, own in real.items():
+        if own.dtype.kind not in "fi":
+            raise TypeError(f"{name} must be real numbers")
+        checks.finite(name, own)
+    relit = None
+    if RELIT in real:
+        relit = _photographs(attributes[RELIT], real[RELIT])
+    gallery = Gallery(
+        _photographs(attributes["subjects"], real["photographs"]),
+        mask,
+        relit=relit,
+        aligned=attributes["aligned"] is True,
+        facts=facts,
+        lights=real.get("lights"),
+        harmonic=real.get(HARMONIC),
+        shadowed=real.get(SHADOWED),
+    )
+    model = {name.removeprefix(MODEL): own for name, own in real.items() if name.startswith(MODEL)}
+    held_out = _trials(real, HELD_OUT) if HELD_OUT in real else None
+    known = _trials(real, KNOWN)
+    classifier = SubjectClassifier.restored(gallery, method, model, known, held_out)
+    # A model that does not belong to the gallery cannot compare one of its photographs.
+    probe = gallery.photographs.images[:1].reshape(1, -1)
+    if classifier.distances(probe).shape != (1, len(gallery.names)):
+        raise ValueError("its model is of other subjects")
+    return classifier
+
+
+def _photographs(subjects: Any, images: np.ndarray) -> Photographs:
+    found = Photographs(np.array(list(map(str, subjects))), checks.non_negative("images", images))
+    flat = np.ptp(images, axis=(1, 2)) == 0
+    if flat.any():
+        raise ValueError(f"its photograph number {flat.argmax()} has one value everywhere")
+    return found
+
+
+def _trials(arrays: dict[str, np.ndarray], name: str) -> Trials:
+    distances, truth = arrays[name], arrays[f"{name}.truth"]
+    right = distances.ndim == 2 and truth.dtype.kind == "i" and truth.shape == distances.shape[:1]
+    if not right or not np.isin(truth, range(distances.shape[1])).all():
+        raise ValueError(f"its {name} are not of its subjects")
+    return Trials(checks.non_negative(name, distances), truth)

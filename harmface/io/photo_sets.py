@@ -126,7 +126,7 @@ def read_photographs(
         Whether values are encoded in sRGB and should be made linear.
     size
         Rows and columns to resize to, by area averages; all must be alike if not given. Their
-        ratio of sides must be one, and if it is not that of `size`, they are stretched.
+        ratio of sides must be one, and if it is not that of `size`, the middle is cut out.
     max_pixels
         Largest photograph read; as they are kept, all together may have 16 times as many pixels.
     bad
@@ -147,7 +147,7 @@ def read_photographs(
     Warns
     -----
     FileWarning
-        If photographs are stretched to another ratio of sides.
+        If photographs have another ratio of sides than `size`.
     """
     kept: list[Photograph] = []
     images: list[np.ndarray] = []
@@ -160,8 +160,8 @@ def read_photographs(
                 stored = (image.shape[0], image.shape[1])
                 if size is not None and not _alike(stored, size):
                     warnings.warn(
-                        f"{photograph.path}: has {stored[0]} x {stored[1]} pixels, which are "
-                        f"stretched to another ratio of sides, {size[0]} x {size[1]}",
+                        f"{photograph.path}: has {stored[0]} x {stored[1]} pixels, of which the "
+                        f"middle is cut out for another ratio of sides, {size[0]} x {size[1]}",
                         FileWarning,
                         stacklevel=2,
                     )
@@ -190,7 +190,7 @@ def read_photographs(
 def resized(
     path: Path, image: Float[np.ndarray, "H W"], size: tuple[int, int], like: tuple[int, int]
 ) -> Float[np.ndarray, "h w"]:
-    """Resize a photograph by area averages, as others were.
+    """Resize a photograph by area averages, as others were; it is cut but never stretched.
 
     Parameters
     ----------
@@ -217,6 +217,12 @@ def resized(
             f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, another ratio of sides than "
             f"others, {like[0]} x {like[1]}; crop it as they are"
         )
+    if not _alike(image.shape, size):
+        rows, columns = image.shape
+        scale = min(rows / size[0], columns / size[1])
+        high, wide = round(size[0] * scale), round(size[1] * scale)
+        top, left = (rows - high) // 2, (columns - wide) // 2
+        image = image[top : top + high, left : left + wide]
     return cv2.resize(image, size[::-1], interpolation=cv2.INTER_AREA)
 
 

@@ -1,17 +1,15 @@
-"""Who is it: subspaces of a subject's images under all lights, and distances to them."""
+"""Who is it: a gallery of subjects, a distance, and one classifier made of both."""
 
 from harmface.recognition.answers import (
-    Rejection,
     estimated_light,
     likelihood_posteriors,
     margins,
     posteriors,
-    rejection,
 )
 from harmface.recognition.cast_shadows import shadowed_harmonic_images
-from harmface.recognition.classifier import HarmonicSubspaceClassifier
-from harmface.recognition.cone_classifier import IlluminationConeClassifier
-from harmface.recognition.gallery import Gallery, enroll, subject_images, subject_photographs
+from harmface.recognition.classifier import SubjectClassifier
+from harmface.recognition.distance import Distance
+from harmface.recognition.gallery import Gallery, Photographs
 from harmface.recognition.illumination_cone import (
     cone_distances,
     extreme_lights,
@@ -19,19 +17,21 @@ from harmface.recognition.illumination_cone import (
     low_dimensional_cone,
     scaled_normals,
 )
-from harmface.recognition.local_classifier import LocalSubspaceClassifier
 from harmface.recognition.local_subspace import (
+    LocalDistance,
     Windows,
     local_basis,
     local_distances,
     log_intensity,
 )
+from harmface.recognition.meshes import enroll, subject_images, subject_photographs
+from harmface.recognition.methods import METHODS, best_method, distance_named
 from harmface.recognition.nine_points import greedy_lights, nearest_lights, nine_points
 from harmface.recognition.noise import CameraNoise, Likelihoods, likelihoods
 from harmface.recognition.non_negative import non_negative_distances, non_negative_light
 from harmface.recognition.non_negative_4d import non_negative_distances_4d
-from harmface.recognition.robust import pixel_blocks, robust_distances
-from harmface.recognition.robust_classifier import RobustSubspaceClassifier
+from harmface.recognition.robust import RobustDistance, pixel_blocks, robust_distances
+from harmface.recognition.spanned import SubspaceDistance
 from harmface.recognition.specular import (
     extended_bases,
     phong_coefficients,
@@ -39,18 +39,24 @@ from harmface.recognition.specular import (
     subject_highlights,
 )
 from harmface.recognition.subspace import orthonormal_basis, subspace_distances
+from harmface.recognition.whitened import WhitenedDistance
 
 __all__ = [
+    "METHODS",
     "CameraNoise",
+    "Distance",
     "Gallery",
-    "HarmonicSubspaceClassifier",
-    "IlluminationConeClassifier",
     "Likelihoods",
-    "LocalSubspaceClassifier",
-    "Rejection",
-    "RobustSubspaceClassifier",
+    "LocalDistance",
+    "Photographs",
+    "RobustDistance",
+    "SubjectClassifier",
+    "SubspaceDistance",
+    "WhitenedDistance",
     "Windows",
+    "best_method",
     "cone_distances",
+    "distance_named",
     "enroll",
     "estimated_light",
     "extended_bases",
@@ -73,7 +79,6 @@ __all__ = [
     "phong_coefficients",
     "pixel_blocks",
     "posteriors",
-    "rejection",
     "robust_distances",
     "scaled_normals",
     "shadowed_harmonic_images",

@@ -5,34 +5,13 @@ References
 .. [BJ03] Basri and Jacobs, Lambertian Reflectance and Linear Subspaces, PAMI 2003.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-from jaxtyping import Float, Integer
+from jaxtyping import Float
 from scipy.special import softmax
 
 from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.recognition.probes import checked_probes
-
-
-@dataclass(frozen=True)
-class Rejection:
-    """Where to stop believing that a probe is of an enrolled subject.
-
-    Parameters
-    ----------
-    threshold
-        Distance above which a probe is taken for a stranger's.
-    false_accept_rate
-        Fraction of strangers that are nearer than that to somebody, as estimated.
-    strangers
-        Number of images that the estimate rests on.
-    """
-
-    threshold: float
-    false_accept_rate: float
-    strangers: int
 
 
 def margins(distances: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n"]:
@@ -80,47 +59,6 @@ def likelihood_posteriors(log: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n
         Logarithms of the likelihoods, see `likelihoods`.
     """
     return softmax(checks.finite("log", log), axis=1)
-
-
-def rejection(
-    distances: Float[np.ndarray, "n N"], truth: Integer[np.ndarray, "n"], rate: float = 0.01
-) -> Rejection:
-    """Return the threshold at which a fraction of strangers is taken for somebody enrolled.
-
-    Every image plays a stranger to all subjects but its own: what counts is its distance to the
-    nearest of the others.
-
-    Parameters
-    ----------
-    distances
-        Distances of images of enrolled subjects, such as the gallery's, to all subjects.
-    truth
-        Column of each image's own subject.
-    rate
-        Wanted false-accept rate, in (0, 1).
-
-    Raises
-    ------
-    ArgumentError
-        If there are fewer images than the rate can be told with, fewer than two subjects, or an
-        index of no subject.
-    """
-    distances = _of_subjects(distances)
-    if not 0 < rate < 1:
-        raise ArgumentError(f"rate must lie between 0 and 1, got {rate}")
-    if truth.shape != distances.shape[:1] or not np.isin(truth, range(distances.shape[1])).all():
-        raise ArgumentError(f"truth must give a column of distances {distances.shape} for each row")
-    if rate * len(distances) < 1:
-        raise ArgumentError(
-            f"distances must be of at least {int(np.ceil(1 / rate))} images for a rate of {rate}, "
-            f"got {len(distances)}; give more images or a higher rate"
-        )
-    others = distances.copy()
-    others[np.arange(len(others)), truth] = np.inf
-    nearest = np.sort(others.min(axis=1))
-    # As many strangers lie strictly below the threshold as the rate allows.
-    threshold = float(nearest[int(rate * len(nearest))])
-    return Rejection(threshold, float((nearest < threshold).mean()), len(nearest))
 
 
 def estimated_light(

@@ -1,104 +1,338 @@
-"""Recognition by distance to a subspace, with scikit-learn's interface.
+"""The recogniser: a gallery and a distance, with scikit-learn's interface."""
 
-References
-----------
-.. [BJ03] Basri and Jacobs, Lambertian Reflectance and Linear Subspaces, PAMI 2003.
-.. [R05] Ramamoorthi, Modeling Illumination Variation with Spherical Harmonics, 2005.
-"""
-
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Integer
+from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from harmface.errors import ArgumentError
-from harmface.recognition.distance_classifier import DistanceClassifier
-from harmface.recognition.gallery import Gallery
-from harmface.recognition.subspace import orthonormal_basis, subspace_distances
+from harmface.recognition.answers import posteriors
+from harmface.recognition.distance import Distance, Model
+from harmface.recognition.evaluation import (
+    Rejection,
+    independence,
+    rejection_by_margin,
+    spread,
+)
+from harmface.recognition.gallery import Gallery, Photographs
+from harmface.recognition.methods import BEST, best_method, distance_named
+from harmface.recognition.whitened import FEWEST_PEOPLE
+
+if TYPE_CHECKING:
+    from harmface.recognition.registration import Motion
+
+TRIALS = 1000
+"""Most photographs that probabilities and thresholds are estimated from."""
+
+FOLDS = 3
+"""Parts of a gallery of photographs, each compared with the others to see how sure a name is."""
 
 
-class HarmonicSubspaceClassifier(DistanceClassifier):
-    """Name the subject whose subspace of images lies nearest to a probe ([BJ03]_, [R05]_ 0.4.1).
-
-    A subject's subspace is spanned by what `fit` is given: its harmonic images, rendered from a
-    mesh (`from_gallery` does that), or photographs under several lights, of which the leading
-    singular vectors are taken. Exposure plays no part: distances are relative to the norm.
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """How the gallery's own photographs compare with its subjects.
 
     Parameters
     ----------
-    dimension
-        Dimension of each subject's subspace; `fit` needs as many images of each subject.
+    distances
+        Of each photograph to every subject.
+    truth
+        Number of each photograph's subject.
+    """
+
+    distances: Float[np.ndarray, "t N"]
+    truth: Integer[np.ndarray, "t"]
+
+
+class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+    """Name the subject of a gallery that is nearest to a probe, by any distance.
+
+    Parameters
+    ----------
+    method
+        "best", another name of `methods.METHODS`, or a `Distance`.
+    image_shape
+        Rows and columns of the images that `fit` is given; one row if not given.
+    mask
+        Pixels that are compared, (rows, columns); by default all are.
+    aligned
+        Whether probes are framed exactly as the images of `fit`, as renderings are.
 
     Attributes
     ----------
     classes_
         Subjects in sorted order.
-    bases_
-        Orthonormal rows of each subject, (subjects, dimension, pixels).
+    gallery_
+        What was enrolled.
+    distance_
+        The distance that the method names.
+    model_
+        What the distance learned of the gallery: arrays by name.
+    known_, held_out_
+        How the gallery's photographs compare with the model, and with models that were fitted
+        without them; None if there are too few for that.
 
     Examples
     --------
     Two subjects, known from two images each, and a brighter image of the second:
 
     >>> images = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]])
-    >>> classifier = HarmonicSubspaceClassifier(dimension=2).fit(images, ["a", "a", "b", "b"])
+    >>> classifier = SubjectClassifier("subspace").fit(images, ["a", "a", "b", "b"])
     >>> str(classifier.predict([[0.0, 0.1, 3.0, 5.0]])[0])
     'b'
     """
 
-    def __init__(self, dimension: int = 9) -> None:
-        self.dimension = dimension
+    classes_: np.ndarray
+    gallery_: Gallery
+    distance_: Distance
+    model_: Model
+    known_: Trials
+    held_out_: Trials | None
+
+    def __init__(
+        self,
+        method: str | Distance = BEST,
+        image_shape: tuple[int, int] | None = None,
+        mask: Bool[np.ndarray, "H W"] | None = None,
+        aligned: bool = False,
+    ) -> None:
+        self.method = method
+        self.image_shape = image_shape
+        self.mask = mask
+        self.aligned = aligned
+
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        method = "local" if self.method == BEST else self.method
+        distance = distance_named(method) if isinstance(method, str) else method
+        tags.input_tags.positive_only = distance.positive_only
+        return tags
 
     @classmethod
-    def from_gallery(cls, gallery: Gallery, method: str = "9d") -> "HarmonicSubspaceClassifier":
-        """Return a fitted classifier of a gallery; probes are then pixels of `gallery.mask`.
+    def from_gallery(cls, gallery: Gallery, method: str | Distance = BEST) -> "SubjectClassifier":
+        """Return the fitted classifier of a gallery.
 
         Parameters
         ----------
         gallery
-            Harmonic images of every subject.
+            Such as `enroll` makes of meshes.
         method
-            "3d", "4d" or "9d".
-        """
-        images = gallery.spanning(method)
-        _, dimension, pixels = images.shape
-        names = np.repeat(np.array(gallery.subjects), dimension)
-        return cls(dimension).fit(images.reshape(-1, pixels), names)
+            A name or a `Distance`; the classifier has the name that "best" stands for.
 
-    def fit(self, X: Any, y: Any) -> "HarmonicSubspaceClassifier":
-        """Span each subject's subspace.
+        Raises
+        ------
+        ArgumentError
+            If the gallery does not hold what the method needs.
+        """
+        method = best_method(gallery) if method == BEST else method
+        made = cls(method, gallery.mask.shape, gallery.mask, gallery.aligned)
+        made.n_features_in_ = gallery.mask.size
+        return made._fitted(gallery)
+
+    @classmethod
+    def restored(
+        cls,
+        gallery: Gallery,
+        method: str | Distance,
+        model: Model,
+        known: Trials,
+        held_out: Trials | None,
+    ) -> "SubjectClassifier":
+        """Return a classifier as `from_gallery` made it, from its attributes."""
+        made = cls(method, gallery.mask.shape, gallery.mask, gallery.aligned)
+        made.n_features_in_ = gallery.mask.size
+        made.gallery_, made.classes_ = gallery, gallery.names
+        made.distance_ = made._distance_for(gallery)
+        made.model_, made.known_, made.held_out_ = model, known, held_out
+        return made
+
+    def fit(self, X: Any, y: Any) -> "SubjectClassifier":
+        """Enroll photographs.
 
         Parameters
         ----------
         X
-            Images as rows of pixels, (images, pixels): linear, of the same frame.
+            Linear images as rows of all their pixels, (images, pixels): of one frame.
         y
             The subject of each image.
 
         Raises
         ------
         ArgumentError
-            If a subject has fewer images than `dimension`.
+            If the images do not have the shape stated, or are not what the method needs.
         """
         X, y = validate_data(self, X, y, dtype=[np.float64, np.float32])
         check_classification_targets(y)
-        self.classes_, which = np.unique(y, return_inverse=True)
-        counts = np.bincount(which)
-        if counts.min() < self.dimension:
-            few = counts.argmin()
+        shape = self.image_shape or (1, X.shape[1])
+        if shape[0] * shape[1] != X.shape[1]:
             raise ArgumentError(
-                f"subject {str(self.classes_[few])!r} has {counts[few]} images, fewer than the "
-                f"{self.dimension} dimensions of a subspace; give more images or a lower dimension"
+                f"image_shape must hold the {X.shape[1]} pixels of each image, got {shape}"
             )
-        self.bases_ = np.stack(
-            [orthonormal_basis(X[which == c], self.dimension) for c in range(len(counts))]
+        photographs = Photographs(y, X.reshape(-1, *shape))
+        mask = photographs.everywhere if self.mask is None else self.mask
+        return self._fitted(Gallery(photographs, mask, aligned=self.aligned))
+
+    def _fitted(self, gallery: Gallery) -> "SubjectClassifier":
+        self.gallery_, self.classes_ = gallery, gallery.names
+        self.distance_ = self._distance_for(gallery)
+        self.model_ = self.distance_.fit(gallery)
+        some = spread(len(gallery.which), TRIALS)
+        images = gallery.photographs.images[some]
+        self.known_ = Trials(
+            self.distance_.of_framed.distances(self.model_, images, gallery.mask),
+            gallery.which[some],
         )
+        self.held_out_ = self.known_ if self.distance_.of_surfaces else self._held_out(gallery)
         return self
 
+    def _distance_for(self, gallery: Gallery) -> Distance:
+        method = best_method(gallery) if self.method == BEST else self.method
+        return distance_named(method) if isinstance(method, str) else method
+
+    def _held_out(self, gallery: Gallery) -> Trials | None:
+        """Deal every subject's photographs out to folds; compare each with a model of the others.
+
+        With fewer photographs of somebody, one alone may be left of them, or none. Other people
+        who were learned from stand in, if there are any, half of them learned from the other half:
+        they are known under more light.
+        """
+        which = gallery.which
+        stand_ins = self._stand_ins(gallery) if self.distance_.learns else None
+        if stand_ins is not None or np.bincount(which).min() < FOLDS:
+            return stand_ins
+        fold = np.zeros_like(which)
+        for subject in np.unique(which):
+            own = which == subject
+            fold[own] = np.arange(own.sum()) % FOLDS
+        tries = [(gallery.chosen(fold != each), fold == each) for each in range(FOLDS)]
+        return self._tried(
+            [(known, gallery.photographs.images[out], which[out]) for known, out in tries]
+        )
+
+    def _stand_ins(self, gallery: Gallery) -> Trials | None:
+        """Enroll the best-lit photographs of other people, as many of each as of the subjects."""
+        others = gallery.others
+        people = np.unique([] if others is None else others.subjects)
+        half, few = len(people) // 2, int(np.bincount(gallery.which).min())
+        if others is None or half < FEWEST_PEOPLE:
+            return None
+        tries = []
+        for part in (people[:half], people[half : 2 * half]):
+            own = others.chosen(np.isin(others.subjects, part))
+            light = own.images.mean(axis=(1, 2))
+            enrolled = np.zeros(len(light), bool)
+            for person in part:
+                mine = np.flatnonzero(own.subjects == person)
+                enrolled[mine[np.argsort(-light[mine])[:few]]] = True
+            known = replace(
+                gallery,
+                photographs=own.chosen(enrolled),
+                lights=None,
+                relit=own.chosen(light < 0),
+                others=others.chosen(~np.isin(others.subjects, part)),
+            )
+            probes = own.chosen(~enrolled)
+            tries.append((known, probes.images, np.searchsorted(part, probes.subjects)))
+        return self._tried(tries)
+
+    def _tried(self, tries: list[tuple[Gallery, np.ndarray, np.ndarray]]) -> Trials:
+        """Compare probes, of which the subjects' numbers are given, each with its own gallery."""
+        found, truths = [], []
+        for known, probes, truth in tries:
+            some = spread(len(truth), TRIALS // len(tries))
+            distance = self.distance_.of_framed
+            found.append(distance.distances(distance.fit(known), probes[some], known.mask))
+            truths.append(truth[some])
+        return Trials(np.concatenate(found), np.concatenate(truths))
+
     def distances(self, X: Any) -> Float[np.ndarray, "n N"]:
-        """Return the distance of every image to every subject of `classes_`, in [0, 1]."""
+        """Return the distance of every image to every subject of `classes_`."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
-        return subspace_distances(X, self.bases_)
+        mask = self.gallery_.mask
+        return self.distance_.distances(self.model_, X.reshape(-1, *mask.shape), mask)
+
+    def placed(self, X: Any) -> tuple[Float[np.ndarray, "n N"], "list[Motion] | None"]:
+        """Return the `distances`, and how each image lies against the frame of the gallery.
+
+        That is None of methods that do not search for it, see `framed`.
+        """
+        check_is_fitted(self)
+        if self.distance_.of_framed is self.distance_:
+            return self.distances(X), None
+        from harmface.recognition.framed import FramedDistance
+
+        assert isinstance(self.distance_, FramedDistance)
+        X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
+        mask = self.gallery_.mask
+        return self.distance_.search(self.model_, X.reshape(-1, *mask.shape), mask)
+
+    def decision_function(self, X: Any) -> Float[np.ndarray, "n *N"]:
+        """Return scores that are greater for nearer subjects.
+
+        They are negated distances, (n, subjects); with two subjects scikit-learn asks for one
+        score, (n,): how much nearer the second is, as the logarithm of the distances' ratio.
+        """
+        distances = self.distances(X)
+        if len(self.classes_) == 2:
+            first, second = np.log(np.maximum(distances, np.finfo(distances.dtype).tiny)).T
+            return first - second
+        return -distances
+
+    def predict(self, X: Any) -> np.ndarray:
+        """Return the nearest subject of every image."""
+        nearest = self.distances(X).argmin(axis=1)
+        return self.classes_[nearest]
+
+    def predict_proba(self, X: Any) -> Float[np.ndarray, "n N"]:
+        """Return the probability of every subject of `classes_`, given that it is one of them.
+
+        See `probabilities`.
+        """
+        return self.probabilities(self.distances(X))
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether there are probabilities: photographs enough to estimate them from."""
+        return self.held_out_ is not None and len(self.classes_) > 1
+
+    def probabilities(self, distances: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n N"]:
+        """Return the `posteriors` of distances, with the `independence` that the gallery tells.
+
+        Raises
+        ------
+        ArgumentError
+            If the gallery has too few photographs, or one subject only.
+        """
+        if self.held_out_ is None or len(self.classes_) < 2:
+            raise ArgumentError(
+                f"the gallery must hold two subjects and {FOLDS} photographs of each for "
+                "probabilities; enroll more"
+            )
+        exponent = independence(self.held_out_.distances, self.held_out_.truth)
+        return posteriors(distances, exponent)
+
+    def rejection(self, rate: float = 0.01) -> Rejection:
+        """Return how to tell strangers, see `rejection_by_margin`.
+
+        Parameters
+        ----------
+        rate
+            Wanted share of strangers that are taken for somebody.
+        """
+        trials = self.held_out_ or self.known_
+        return rejection_by_margin(trials.distances, trials.truth, rate)
+
+    def explained(
+        self, images: Float[np.ndarray, "n H W"], which: Integer[np.ndarray, "n"]
+    ) -> tuple[Float[np.ndarray, "n H W"], Float[np.ndarray, "n K"] | None]:
+        """Return what a subject looks like at its most alike to each probe, and in which light.
+
+        See `Distance.explained`.
+        """
+        check_is_fitted(self)
+        return self.distance_.explained(self.gallery_, images, which)

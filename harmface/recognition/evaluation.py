@@ -2,25 +2,27 @@
 
 References
 ----------
+.. [P75] Pickands, Statistical Inference Using Extreme Order Statistics, Annals of Statistics 1975.
 .. [P99] Platt, Probabilistic Outputs for Support Vector Machines, 1999.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Integer
 from scipy.optimize import minimize_scalar
 from scipy.special import logsumexp
+from scipy.stats import genpareto
 from sklearn.metrics import roc_curve
 
 from harmface import checks
 from harmface.errors import ArgumentError
-from harmface.recognition.answers import Rejection, rejection
 
 RESAMPLES = 2000
 """Bootstrap samples: the ends of a 95 % interval then rest on 50 of them each."""
+
+FEWEST_STRANGERS = 20
+"""Images that two parameters of a distribution can be fitted to."""
 
 MOST_PIXELS = 1e6
 """Most pixels that can err independently: those of an image of a thousand by a thousand."""
@@ -45,64 +47,6 @@ class ErrorRate:
     def rate(self) -> float:
         """Fraction of the probes that were misnamed."""
         return self.errors / self.probes
-
-
-def distances_by(recognizer: Any, probes: Float[np.ndarray, "n p"]) -> Float[np.ndarray, "n N"]:
-    """Return the distances that a fitted recogniser of `baselines.recognizer` gives to probes.
-
-    Normalisers stand before its last step, which alone knows distances.
-    """
-    before, last = recognizer[:-1], recognizer[-1]
-    return last.distances(before.transform(probes) if len(before) else probes)
-
-
-def held_out_distances(
-    train: Callable[[np.ndarray, np.ndarray], Any],
-    images: Float[np.ndarray, "n p"],
-    truth: Integer[np.ndarray, "n"],
-    folds: int,
-    most: int,
-) -> tuple[Float[np.ndarray, "t N"], Integer[np.ndarray, "t"]]:
-    """Return distances of a gallery's images to subjects that are known without them.
-
-    Every subject's images are dealt out to the folds in turn; each fold is compared with what is
-    trained on the others.
-
-    Parameters
-    ----------
-    train
-        Returns the fitted recogniser of images and their subjects.
-    images
-        The gallery as rows of pixels.
-    truth
-        Number of each image's subject, 0 to N - 1; every one has at least `folds`, of 2 or more.
-    folds
-        Number of parts.
-    most
-        Images of a fold that are compared at most, spread over all.
-
-    Returns
-    -------
-    tuple
-        Distances, and the subjects of the images compared.
-    """
-    folds = checks.integer("folds", folds, 2)
-    if np.bincount(truth).min() < folds:
-        raise ArgumentError(
-            f"images must number at least {folds} of every subject, got {np.bincount(truth).min()}"
-        )
-    fold = np.zeros_like(truth)
-    for subject in np.unique(truth):
-        own = truth == subject
-        fold[own] = np.arange(own.sum()) % folds
-    found, truths = [], []
-    for each in range(folds):
-        recognizer = train(images[fold != each], truth[fold != each])
-        out = np.flatnonzero(fold == each)
-        out = out[spread(len(out), most)]
-        found.append(distances_by(recognizer, images[out]))
-        truths.append(truth[out])
-    return np.concatenate(found), np.concatenate(truths)
 
 
 def spread(count: int, most: int) -> Integer[np.ndarray, "_"]:
@@ -269,14 +213,34 @@ def independence(distances: Float[np.ndarray, "n N"], truth: Integer[np.ndarray,
     return float(minimize_scalar(surprise, bounds=(0, MOST_PIXELS), method="bounded").x)
 
 
+@dataclass(frozen=True)
+class Rejection:
+    """Where to stop believing that a probe is of an enrolled subject.
+
+    Parameters
+    ----------
+    least_margin
+        Margin, see `margins`, below which a probe is taken for a stranger's.
+    false_accept_rate
+        Share of strangers that are expected to exceed it.
+    strangers
+        Number of images that the estimate rests on.
+    """
+
+    least_margin: float
+    false_accept_rate: float
+    strangers: int
+
+
 def rejection_by_margin(
     distances: Float[np.ndarray, "n N"], truth: Integer[np.ndarray, "n"], rate: float = 0.01
 ) -> Rejection:
-    """Return the `rejection` of strangers by how much nearer the first subject is than the second.
+    """Return how much nearer the first subject must be than the second for a probe to be known.
 
-    The ratio of the two distances, 1 less the margin of `margins`, is what the threshold is of.
-    Unlike the distance it is much the same in all light: at the same false-accept rate on the
-    synthetic grid it rejects a third to a seventh of the known faces that the distance does.
+    Every image plays a stranger to all subjects but its own. What counts is the logarithm of the
+    ratio of its two least distances to the others: unlike the distance it is much the same in all
+    light. As a gap between extremes it follows a generalised Pareto distribution from 0
+    ([P75]_), which is fitted, so that a small rate does not rest on one or two images.
 
     Parameters
     ----------
@@ -290,18 +254,72 @@ def rejection_by_margin(
     Raises
     ------
     ArgumentError
-        If there are fewer than three subjects: one to be, and two to be mistaken for.
+        If there are fewer than three subjects (one to be, and two to be mistaken for), or too few
+        images for a fit.
     """
     distances, truth = _checked(distances, truth)
+    if not 0 < rate < 1:
+        raise ArgumentError(f"rate must lie between 0 and 1, got {rate}")
     if distances.shape[1] < 3:
         raise ArgumentError(
             f"distances must be to at least three subjects, got {distances.shape[1]}; enroll more"
         )
+    if len(truth) < FEWEST_STRANGERS:
+        raise ArgumentError(
+            f"distances must be of at least {FEWEST_STRANGERS} images to tell strangers, got "
+            f"{len(truth)}; enroll more"
+        )
     others = np.arange(distances.shape[1]) != truth[:, None]
-    ratios = np.full_like(distances, np.finfo(distances.dtype).max)
-    among = relative_distances(distances[others].reshape(len(truth), -1))
-    ratios[others] = among.ravel()
-    return rejection(ratios, truth, rate)
+    ratios = relative_distances(distances[others].reshape(len(truth), -1)).min(axis=1)
+    gaps = -np.log(np.maximum(ratios, np.finfo(ratios.dtype).tiny)).astype(np.float64)
+    shape, _, scale = genpareto.fit(gaps, floc=0)
+    least_margin = -np.expm1(-genpareto.isf(rate, shape, 0, scale))
+    return Rejection(float(least_margin), rate, len(truth))
+
+
+@dataclass(frozen=True, eq=False)
+class Reliability:
+    """Whether probabilities are what they say.
+
+    Parameters
+    ----------
+    claimed, right, count
+        Of the answers in each tenth of the range of probabilities: the mean probability, the share
+        that is right (both 0 where there are none), and how many there are.
+    """
+
+    claimed: Float[np.ndarray, "10"]
+    right: Float[np.ndarray, "10"]
+    count: Integer[np.ndarray, "10"]
+
+    @property
+    def expected_error(self) -> float:
+        """Mean difference between what is claimed and what is right, over all answers."""
+        return float(np.abs(self.claimed - self.right) @ self.count / self.count.sum())
+
+
+def reliability(
+    probabilities: Float[np.ndarray, "n N"], truth: Integer[np.ndarray, "n"]
+) -> Reliability:
+    """Return how often the likeliest subject is right, by its probability.
+
+    Parameters
+    ----------
+    probabilities
+        Of every subject for every probe.
+    truth
+        Column of each probe's subject.
+    """
+    probabilities, truth = _checked(probabilities, truth)
+    top = probabilities.max(axis=1)
+    which = np.minimum((10 * top).astype(int), 9)
+    count = np.bincount(which, minlength=10)
+    sums = [
+        np.bincount(which, weights=each, minlength=10)
+        for each in (top, probabilities.argmax(axis=1) == truth)
+    ]
+    claimed, right = (total / np.maximum(count, 1) for total in sums)
+    return Reliability(claimed, right, count)
 
 
 def _checked(

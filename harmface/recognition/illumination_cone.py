@@ -14,11 +14,15 @@ References
    Face Recognition under Variable Lighting and Pose, PAMI 2001.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Bool, Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.recognition.distance import Distance, Model
+from harmface.recognition.gallery import HARMONIC, PHOTOGRAPHS, RELIT, Gallery
 from harmface.recognition.non_negative import nearest_in_cone
 from harmface.recognition.probes import checked_probes
 
@@ -220,3 +224,58 @@ def _spanning(normals: Float[np.ndarray, "3 p"]) -> Float[np.ndarray, "3 p"]:
             "way, or the photographs' lights lie in a plane"
         )
     return normals
+
+
+@dataclass(frozen=True)
+class ConeDistance(Distance):
+    """The distance to illumination cones, with attached shadows and without cast ones.
+
+    Parameters
+    ----------
+    rays
+        Greatest number of extreme rays of a cone; [GBK01]_ rendered as many lamps.
+    dimension
+        Of the subspace that holds a cone.
+    rng
+        Seed for the choice of the rays, the same for every subject.
+    """
+
+    sources = (PHOTOGRAPHS, RELIT, HARMONIC)
+    positive_only = True
+    rays: int = 120
+    dimension: int = 11
+    rng: int = 0
+
+    @property
+    def harmonics(self) -> slice:
+        """Those of degree 1: the scaled normals."""
+        return slice(1, 4)
+
+    def fit(self, gallery: Gallery) -> Model:
+        """Return each subject's `low_dimensional_cone`, those of fewer rays filled up with zeros.
+
+        Photographs must be at least three of each subject, under single lamps not in a plane.
+        """
+        cones = []
+        each = gallery.spanning(self.source, self.harmonics)
+        for name, images in zip(gallery.names, each, strict=True):
+            seen = images[:, gallery.mask]
+            try:
+                normals = seen.astype(np.float64) if self.of_surfaces else scaled_normals(seen)
+                lights = extreme_lights(normals, self.rays, self.rng)
+                cones.append(low_dimensional_cone(lamp_images(normals, lights), self.dimension))
+            except ArgumentError as error:
+                raise ArgumentError(f"subject {str(name)!r}: {error}") from None
+        most = max(len(basis) for basis, _ in cones)
+        bases = np.zeros((len(cones), most, seen.shape[1]))
+        rays = np.zeros((len(cones), max(len(own) for _, own in cones), most))
+        for number, (basis, own) in enumerate(cones):
+            bases[number, : len(basis)], rays[number, : len(own), : len(basis)] = basis, own
+        return {"bases": bases, "rays": rays}
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every probe to every subject, in [0, 1]."""
+        cones = zip(model["bases"], model["rays"], strict=True)
+        return np.stack([cone_distances(probes[:, mask], *cone) for cone in cones], axis=1)

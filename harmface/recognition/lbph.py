@@ -1,55 +1,37 @@
 """Histograms of local binary patterns, by OpenCV."""
 
-from typing import Any
-
 import cv2
 import numpy as np
 from jaxtyping import Float
-from sklearn.utils.multiclass import check_classification_targets
-from sklearn.utils.validation import check_is_fitted, validate_data
 
-from harmface.recognition.distance_classifier import DistanceClassifier
+from harmface.errors import ArgumentError
+from harmface.recognition.distance import Model
+from harmface.recognition.nearest import NearestImageDistance
 
 
-class LbphClassifier(DistanceClassifier):
-    """Name the subject with the nearest histograms of local binary patterns (OpenCV's LBPH).
+class LbphDistance(NearestImageDistance):
+    """The distance of the histograms of local binary patterns (OpenCV's LBPH)."""
 
-    Parameters
-    ----------
-    image_shape
-        Rows and columns of the images.
+    def features(
+        self, model: Model, images: Float[np.ndarray, "n H W"]
+    ) -> Float[np.ndarray, "n d"]:
+        """Return the histograms of images, each stretched to 8 bits."""
+        rows = images.reshape(len(images), -1)
+        low, span = rows.min(axis=1, keepdims=True), np.ptp(rows, axis=1, keepdims=True)
+        scaled = np.divide(rows - low, span, out=np.zeros_like(rows), where=span > 0)
+        codes = np.rint(255 * scaled).astype(np.uint8).reshape(images.shape)
+        recognizer = cv2.face.LBPHFaceRecognizer.create()
+        recognizer.train(list(codes), np.arange(len(codes), dtype=np.int32))
+        return np.concatenate(recognizer.getHistograms())
 
-    Attributes
-    ----------
-    classes_
-        Subjects in sorted order.
-    """
-
-    def __init__(self, image_shape: tuple[int, int]) -> None:
-        self.image_shape = image_shape
-
-    def fit(self, X: Any, y: Any) -> "LbphClassifier":
-        """Take the histograms of the gallery's images, each stretched to 8 bits."""
-        X, y = validate_data(self, X, y, dtype=[np.float64, np.float32])
-        check_classification_targets(y)
-        self.classes_, which = np.unique(y, return_inverse=True)
-        self.recognizer_ = cv2.face.LBPHFaceRecognizer.create()
-        self.recognizer_.train(self._codes(X), which.astype(np.int32))
-        return self
-
-    def distances(self, X: Any) -> Float[np.ndarray, "n N"]:
-        """Return the chi-square distance of every image to the nearest of every subject."""
-        check_is_fitted(self)
-        X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
-        nearest = np.full((len(X), len(self.classes_)), np.inf)
-        for row, image in zip(nearest, self._codes(X), strict=True):
-            collector = cv2.face.StandardCollector.create()
-            self.recognizer_.predict_collect(image, collector)
-            labels, distances = np.array(collector.getResults()).T
-            np.minimum.at(row, labels.astype(int), distances)
-        return nearest
-
-    def _codes(self, X: np.ndarray) -> list[np.ndarray]:
-        low, span = X.min(axis=1, keepdims=True), np.ptp(X, axis=1, keepdims=True)
-        scaled = np.divide(X - low, span, out=np.zeros_like(X), where=span > 0)
-        return list(np.rint(255 * scaled).astype(np.uint8).reshape(-1, *self.image_shape))
+    def between(
+        self, probes: Float[np.ndarray, "n d"], gallery: Float[np.ndarray, "g d"]
+    ) -> Float[np.ndarray, "n g"]:
+        """Return the chi-square distances that OpenCV's recogniser ranks by."""
+        if probes.shape[1] != gallery.shape[1]:
+            raise ArgumentError(
+                f"histograms must have {gallery.shape[1]} bins, got {probes.shape[1]}"
+            )
+        return np.array(
+            [[cv2.compareHist(a, b, cv2.HISTCMP_CHISQR_ALT) for b in gallery] for a in probes]
+        )

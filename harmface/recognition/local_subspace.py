@@ -25,6 +25,9 @@ from jaxtyping import Bool, Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.recognition.distance import Distance, Model
+from harmface.recognition.gallery import PHOTOGRAPHS, RELIT, Gallery
+from harmface.recognition.subspace import orthonormal_basis, subspace_distances
 
 FLOOR_PER_NOISE = 3
 """Deviations of the camera's noise that are added to the intensity."""
@@ -46,6 +49,13 @@ SHIFTS_PER_HEIGHT = 48
 
 CHUNK = 2**25
 """Projections held at a time: 128 MB in single precision."""
+
+WHOLE_POWER = 0.06
+"""Power of the whole image's distance: enough to decide ties, too little to outvote windows that
+a shadow leaves alone."""
+
+WHOLE_DIMENSION = 9
+"""Dimension of the whole image's subspace, that of the light."""
 
 
 @dataclass(frozen=True)
@@ -202,6 +212,67 @@ def local_distances(
             residual = np.maximum(energy[some] - np.einsum("nsd,nsd->ns", fits, fits), 0)
             total[some] += np.sqrt((residual + noise) / (energy[some] + noise))
     return total / np.float32(len(cut))
+
+
+@dataclass(frozen=True)
+class LocalDistance(Distance):
+    """The `local_distances`, times a low power of `subspace_distances` of the whole image.
+
+    The method of choice for photographs under extreme light: nine photographs a subject under
+    the nine points of light, or a handful of frontal ones. Where the whole image fits well it
+    decides between subjects whose windows look alike. Probes must be in the unit of the gallery,
+    whose greatest value counts as the camera's full scale.
+
+    Parameters
+    ----------
+    noise
+        Standard deviation of the camera's noise in the dark, as a fraction of full scale.
+    """
+
+    sources = (PHOTOGRAPHS, RELIT)
+    positive_only = True
+    noise: float = 0.005
+
+    def fit(self, gallery: Gallery) -> Model:
+        """Return each subject's `local_basis` and that of its whole images, and the full scale.
+
+        One photograph of a subject is enough.
+        """
+        windows = Windows(gallery.mask)
+        each = [own * gallery.mask for own in gallery.spanning(self.source)]
+        full_scale = max(float(checks.non_negative("images", own).max()) for own in each)
+        if full_scale == 0:
+            raise ArgumentError("images must not all be black")
+        logarithms = [log_intensity(own / full_scale, self.noise) for own in each]
+        bases = [local_basis(own, windows, gallery.aligned) for own in logarithms]
+        whole = [_whole_basis(own[:, gallery.mask]) for own in each]
+        return {
+            "bases": np.stack(bases),
+            "whole": np.stack(whole),
+            "full_scale": np.array(full_scale),
+        }
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every probe to every subject, in [0, 1]."""
+        seen = probes[:, mask]
+        flat = np.flatnonzero(seen.max(axis=1) == seen.min(axis=1))
+        if flat.size:
+            raise ArgumentError(
+                f"probes must show something, but {flat.size} of {len(probes)} have the same value "
+                f"everywhere (first: number {flat[0]})"
+            )
+        logarithms = log_intensity(probes * mask / float(model["full_scale"]), self.noise)
+        local = local_distances(logarithms, model["bases"], Windows(mask))
+        whole = subspace_distances(seen.astype(np.float32), model["whole"])
+        return local * whole**WHOLE_POWER
+
+
+def _whole_basis(images: Float[np.ndarray, "g p"]) -> Float[np.ndarray, "d p"]:
+    """Return orthonormal rows of a subject's images, zeros where it has fewer than others."""
+    basis = orthonormal_basis(images, min(len(images), WHOLE_DIMENSION)).astype(np.float32)
+    return np.pad(basis, ((0, WHOLE_DIMENSION - len(basis)), (0, 0)))
 
 
 def _starts(length: int, side: int) -> list[int]:

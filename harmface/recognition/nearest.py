@@ -1,53 +1,51 @@
-"""Recognition by the nearest image of the gallery, after any transformation of the images."""
+"""Comparison with the nearest image of the gallery, after any transformation of the images."""
 
-from typing import Any
+from abc import abstractmethod
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.spatial.distance import cdist
-from sklearn.base import clone
-from sklearn.utils.multiclass import check_classification_targets
-from sklearn.utils.validation import check_is_fitted, validate_data
 
-from harmface.recognition.distance_classifier import DistanceClassifier
+from harmface.recognition.distance import Distance, Model
+from harmface.recognition.gallery import PHOTOGRAPHS, RELIT, Gallery
 
 
-class NearestImageClassifier(DistanceClassifier):
-    """Name the subject of the gallery's nearest image, by Euclidean distance of features.
+@dataclass(frozen=True)
+class NearestImageDistance(Distance):
+    """The Euclidean distance to the nearest of a subject's images, in features of the images."""
 
-    Parameters
-    ----------
-    features
-        A transformer of scikit-learn from images as rows of pixels to rows of features; by
-        default the pixels themselves.
+    sources = (PHOTOGRAPHS, RELIT)
 
-    Attributes
-    ----------
-    classes_
-        Subjects in sorted order.
-    """
+    def fit(self, gallery: Gallery) -> Model:
+        """Return the features of every image of the gallery, and what they come from."""
+        each = gallery.spanning(self.source)
+        images = np.concatenate(each) * gallery.mask
+        which = np.repeat(np.arange(len(each)), [len(own) for own in each])
+        learned = self.learn(images, which)
+        return {**learned, "which": which, "features": self.features(learned, images)}
 
-    def __init__(self, features: Any = None) -> None:
-        self.features = features
-
-    def fit(self, X: Any, y: Any) -> "NearestImageClassifier":
-        """Fit the features and keep those of the gallery."""
-        X, y = validate_data(self, X, y, dtype=[np.float64, np.float32])
-        check_classification_targets(y)
-        self.classes_, self.which_ = np.unique(y, return_inverse=True)
-        if self.features is None:
-            self.gallery_ = X
-        else:
-            self.features_ = clone(self.features).fit(X, y)
-            self.gallery_ = self.features_.transform(X)
-        return self
-
-    def distances(self, X: Any) -> Float[np.ndarray, "n N"]:
-        """Return the distance of every image to the nearest of every subject of `classes_`."""
-        check_is_fitted(self)
-        X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
-        probes = X if self.features is None else self.features_.transform(X)
-        each = cdist(probes, self.gallery_)
-        nearest = np.full((len(X), len(self.classes_)), np.inf)
-        np.minimum.at(nearest.T, self.which_, each.T)
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every probe to the nearest image of every subject."""
+        each = self.between(self.features(model, probes * mask), model["features"])
+        nearest = np.full((len(probes), model["which"].max() + 1), np.inf)
+        np.minimum.at(nearest.T, model["which"], each.T)
         return nearest
+
+    def learn(self, images: Float[np.ndarray, "n H W"], which: np.ndarray) -> Model:
+        """Return what the features need to know of the gallery."""
+        return {}
+
+    @abstractmethod
+    def features(
+        self, model: Model, images: Float[np.ndarray, "n H W"]
+    ) -> Float[np.ndarray, "n d"]:
+        """Return the features of images."""
+
+    def between(
+        self, probes: Float[np.ndarray, "n d"], gallery: Float[np.ndarray, "g d"]
+    ) -> Float[np.ndarray, "n g"]:
+        """Return the distances between features."""
+        return cdist(probes, gallery)

@@ -15,10 +15,12 @@ References
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Integer
+from jaxtyping import Bool, Float, Integer
 
 from harmface.errors import ArgumentError
+from harmface.recognition.distance import Model
 from harmface.recognition.probes import checked_probes
+from harmface.recognition.spanned import SubspaceDistance
 
 STEPS = 4
 """Fits, the first with equal weights: then weights change by less than a part in a thousand."""
@@ -159,3 +161,29 @@ def _of_subject(
     systems = (weights @ products).reshape(systems.shape)
     spread = np.log(variances).sum(axis=1, where=lit) + np.linalg.slogdet(systems)[1]
     return -(chi_square + spread) / 2, chi_square
+
+
+TYPICAL = CameraNoise(gain=1 / 20_000, read=5 / 20_000, step=1 / 255)
+"""A well of 20,000 electrons, 5 of read noise, 8 bits: a small camera of the usual kind."""
+
+
+@dataclass(frozen=True)
+class LikelihoodDistance(SubspaceDistance):
+    """The misfit in units of the camera's noise: `sqrt(chi_square / freedom)` of `likelihoods`.
+
+    It is 1 of a probe that a subspace explains up to noise.
+
+    Parameters
+    ----------
+    noise
+        Of the camera.
+    """
+
+    noise: CameraNoise = TYPICAL
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the misfit of every probe to every subject."""
+        found = likelihoods(probes[:, mask], model["bases"], self.noise)
+        return np.sqrt(found.chi_square / found.freedom[:, None])

@@ -11,6 +11,7 @@ References
 .. [LH74] Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -19,6 +20,8 @@ from threadpoolctl import threadpool_limits
 
 from harmface import checks
 from harmface.conventions import max_degree_of
+from harmface.recognition.distance import Distance, Model
+from harmface.recognition.gallery import HARMONIC, SHADOWED, Gallery
 from harmface.recognition.probes import checked_probes
 from harmface.sphere import fibonacci_directions, real_harmonics
 
@@ -240,3 +243,28 @@ def _chosen(
 ) -> Float[np.ndarray, "P S K"]:
     """Return the rays in the slots, zeros in empty ones."""
     return rays[slots] * (slots >= 0)[..., None]
+
+
+@dataclass(frozen=True)
+class NonNegativeDistance(Distance):
+    """The `non_negative_distances`, to harmonic images of degree 2."""
+
+    sources = (HARMONIC, SHADOWED)
+    source: str = HARMONIC
+
+    def fit(self, gallery: Gallery) -> Model:
+        """Return the harmonic images over the mask."""
+        images = np.stack(gallery.spanning(self.source, self.harmonics))
+        return {"images": images[..., gallery.mask]}
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every probe to every subject, in [0, 1]."""
+        return non_negative_distances(probes[:, mask], model["images"])
+
+    def light(
+        self, probes: Float[np.ndarray, "n p"], images: Float[np.ndarray, "n K p"]
+    ) -> Float[np.ndarray, "n K"]:
+        """Return the non-negative light under which a subject looks most like each probe."""
+        return np.einsum("iik->ik", non_negative_light(probes, images))

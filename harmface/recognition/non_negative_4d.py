@@ -11,10 +11,11 @@ References
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from harmface.errors import ArgumentError
-from harmface.recognition.non_negative import small_problems
+from harmface.recognition.distance import Model
+from harmface.recognition.non_negative import NonNegativeDistance, small_problems
 
 CONE = np.array([-3.0, 1.0, 1.0, 1.0])
 """Diagonal of the quadratic form that is at most 0 for non-negative light."""
@@ -108,3 +109,24 @@ def _cone_multipliers(
     roots = np.linalg.eigvals(companion)
     real = np.abs(roots.imag) <= 1e-6 * np.abs(roots)
     return np.where(real, roots.real, np.nan)
+
+
+class NonNegativeDistance4D(NonNegativeDistance):
+    """The `non_negative_distances_4d`."""
+
+    @property
+    def harmonics(self) -> slice:
+        """Those to degree 1."""
+        return slice(0, 4)
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every probe to every subject, in [0, 1]."""
+        return non_negative_distances_4d(probes[:, mask], model["images"].astype(np.float64))
+
+    def light(
+        self, probes: Float[np.ndarray, "n p"], images: Float[np.ndarray, "n K p"]
+    ) -> Float[np.ndarray, "n K"]:
+        """Return the non-negative light under which a subject looks most like each probe."""
+        return np.einsum("iik->ik", nearest_in_round_cone(*small_problems(probes, images)[:2]))

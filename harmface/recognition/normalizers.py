@@ -8,12 +8,17 @@ References
    Difficult Lighting Conditions, TIP 2010.
 """
 
+from dataclasses import dataclass, field, replace
+
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.ndimage import gaussian_filter
 from skimage.exposure import equalize_hist
 
 from harmface import checks
+from harmface.recognition.distance import Distance, Model
+from harmface.recognition.gallery import PHOTOGRAPHS, RELIT, Gallery, Photographs
+from harmface.recognition.spanned import SubspaceDistance
 
 QUOTIENT_SIGMA = 0.05
 """Width of the smoothing of the self-quotient image, as a fraction of the height."""
@@ -60,3 +65,43 @@ def _scaled(
     """Divide each image by the `1 / alpha` power of the mean of the magnitudes to `alpha`."""
     scale = (magnitudes**alpha).mean(axis=(1, 2), keepdims=True) ** (1 / alpha)
     return np.divide(images, scale, out=np.zeros_like(images), where=scale > 0)
+
+
+NORMALIZERS = {"equalized": equalized, "self-quotient": self_quotient, "tan-triggs": tan_triggs}
+"""What may stand before a method's name, with a plus: `tan-triggs+eigenfaces`."""
+
+
+@dataclass(frozen=True)
+class NormalizedDistance(Distance):
+    """Another distance, of photographs that light matters less in.
+
+    Parameters
+    ----------
+    normalizer
+        One of `NORMALIZERS`.
+    inner
+        The distance of what comes out.
+    """
+
+    sources = (PHOTOGRAPHS, RELIT)
+    normalizer: str = "tan-triggs"
+    inner: Distance = field(default_factory=SubspaceDistance)
+
+    def fit(self, gallery: Gallery) -> Model:
+        """Return what the inner distance knows of the normalised photographs."""
+        return self.inner.fit(
+            replace(
+                gallery,
+                photographs=self._normalized(gallery.photographs, gallery.mask),
+                relit=gallery.relit and self._normalized(gallery.relit, gallery.mask),
+            )
+        )
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the inner distance of the normalised probes."""
+        return self.inner.distances(model, NORMALIZERS[self.normalizer](probes * mask), mask)
+
+    def _normalized(self, given: Photographs, mask: Bool[np.ndarray, "H W"]) -> Photographs:
+        return replace(given, images=NORMALIZERS[self.normalizer](given.images * mask))

@@ -19,7 +19,9 @@ from jaxtyping import Bool, Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.recognition.distance import Model
 from harmface.recognition.probes import checked_probes
+from harmface.recognition.spanned import SubspaceDistance
 from harmface.recognition.subspace import orthonormal_basis, subspace_distances
 
 CANDIDATES = 10
@@ -199,3 +201,22 @@ def _credible(motion: Motion, shape: tuple[int, int]) -> bool:
 
 def _middle(shape: tuple[int, int]) -> Float[np.ndarray, "2"]:
     return np.array([shape[1] - 1, shape[0] - 1]) / 2
+
+
+@dataclass(frozen=True)
+class RegisteredDistance(SubspaceDistance):
+    """The `registered_distances`, for probes that are framed a little differently.
+
+    Parameters
+    ----------
+    candidates
+        Subjects that a probe is registered to, each on its own.
+    """
+
+    candidates: int = CANDIDATES
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every registered probe to every subject."""
+        return registered_distances(probes * mask, model["bases"], mask, self.candidates)[0]

@@ -27,7 +27,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Integer
 
 from harmface.errors import ArgumentError
+from harmface.recognition.distance import Model
 from harmface.recognition.probes import checked_probes
+from harmface.recognition.spanned import SubspaceDistance
 
 SCALE = 0.15
 """The `s` above: residuals beyond this fraction of a block's amplitude count by their logarithm."""
@@ -176,3 +178,17 @@ def _packed_products(rows: Float[np.ndarray, "C N d m"]) -> Float[np.ndarray, "N
     products = rows @ rows.swapaxes(2, 3)
     upper = np.triu_indices(dimension)
     return np.ascontiguousarray(products[..., upper[0], upper[1]].swapaxes(0, 1))
+
+
+class RobustDistance(SubspaceDistance):
+    """The `robust_distances`.
+
+    The method of choice where probes are framed exactly as the gallery, as renderings of meshes
+    are; for photographs cropped by hand see `LocalDistance`.
+    """
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every probe to every subject, in [0, 1]."""
+        return robust_distances(probes[:, mask], model["bases"], pixel_blocks(mask))

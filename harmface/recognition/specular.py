@@ -26,7 +26,7 @@ from harmface import checks
 from harmface.conventions import degrees
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
-from harmface.recognition.gallery import SUPERSAMPLING
+from harmface.recognition.meshes import SUPERSAMPLING
 from harmface.sphere import real_harmonics
 
 

@@ -1,10 +1,4 @@
-"""Linear subspaces of images and the distance of an image to them.
-
-References
-----------
-.. [BJ03] Basri and Jacobs, Lambertian Reflectance and Linear Subspaces, PAMI 2003.
-.. [R05] Ramamoorthi, Modeling Illumination Variation with Spherical Harmonics, 2005.
-"""
+"""Linear subspaces of images and the distance of an image to them."""
 
 import numpy as np
 from jaxtyping import Float
@@ -12,10 +6,6 @@ from jaxtyping import Float
 from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.recognition.probes import checked_probes
-
-HARMONICS_OF = {"3d": slice(1, 4), "4d": slice(0, 4), "9d": slice(0, 9)}
-"""Flat indices of the harmonic images that span each subspace: scaled normals without and with
-the ambient term ([R05]_ 0.2.2), and all to degree 2 ([BJ03]_)."""
 
 
 def orthonormal_basis(

@@ -9,13 +9,13 @@ from data_synth.faces import head
 from data_synth.lightings import mixed, nine_points, yale64, yale_subset
 from harmface.conventions import linear_to_srgb
 from harmface.recognition import (
-    HarmonicSubspaceClassifier,
+    Distance,
+    Gallery,
+    Photographs,
+    SubjectClassifier,
+    SubspaceDistance,
     enroll,
-    non_negative_distances,
-    orthonormal_basis,
-    subspace_distances,
 )
-from harmface.recognition.baselines import recognizer
 from harmface.recognition.evaluation import errors_by_subset
 from harmface.reproduce.experiment import Measurement
 from harmface.reproduce.synthetic import mesh_of, probe_images, subject_seed
@@ -39,7 +39,7 @@ def small_set(
         )
         for number in range(subjects)
     }
-    gallery = enroll(meshes, size)
+    gallery = enroll(meshes, size, cast_shadows=False)
     rng = np.random.default_rng(seed)
     photographs = np.stack(
         [
@@ -47,10 +47,10 @@ def small_set(
             for mesh in meshes.values()
         ]
     )
-    probes = photographs.reshape(-1, size, size)[:, gallery.mask]
+    probes = photographs.reshape(-1, size * size)
     truth = np.repeat(list(meshes), probes_each)
     rates = {
-        method: float(HarmonicSubspaceClassifier.from_gallery(gallery, method).score(probes, truth))
+        method: float(SubjectClassifier.from_gallery(gallery, method).score(probes, truth))
         for method in ("3d", "4d", "9d")
     }
     figure = Figure(figsize=(9, 3.2))
@@ -98,35 +98,32 @@ def light_grid(subjects: int = 20, size: int = 48, seed: int = 2005) -> Measurem
     rng = np.random.default_rng(seed)
     photographs = np.stack([probe_images(mesh, grid, size, rng) for mesh in meshes.values()])
     nine = np.stack([probe_images(mesh, nine_points(), size, rng) for mesh in meshes.values()])
-    galleries = {shadows: enroll(meshes, size, cast_shadows=shadows) for shadows in (False, True)}
-    mask = galleries[False].mask
+    known = enroll(meshes, size)
     truth = np.repeat(np.arange(subjects), len(subset))
-    probes = photographs.reshape(-1, size, size)
-    pixels = probes[:, mask]
+    rows = photographs.reshape(len(truth), -1)
     frontal = photographs[:, subset == 1]
 
-    def by_subspace(images: np.ndarray, dimension: int) -> np.ndarray:
-        return subspace_distances(pixels, orthonormal_basis(images[..., mask], dimension))
+    def by_meshes(method: str) -> np.ndarray:
+        return SubjectClassifier.from_gallery(known, method).distances(rows)
 
-    def by_photographs(method: str, gallery: np.ndarray) -> np.ndarray:
-        each = gallery.shape[1]
-        found = recognizer(method, (size, size), each)
-        found.fit(gallery.reshape(subjects * each, -1), np.repeat(np.arange(subjects), each))
-        return found[-1].distances(probes.reshape(len(probes), -1))
+    def by_photographs(method: str | Distance, gallery: np.ndarray) -> np.ndarray:
+        names = np.repeat(np.arange(subjects), gallery.shape[1])
+        taken = Photographs(names, gallery.reshape(-1, size, size))
+        # Harmonic images know the head's outline; the plain subspaces are compared alike.
+        mask = known.mask if isinstance(method, SubspaceDistance) else taken.everywhere
+        return SubjectClassifier.from_gallery(Gallery(taken, mask), method).distances(rows)
 
     distances = {
-        "3-D linear": by_subspace(frontal, 3),
+        "3-D linear": by_photographs(SubspaceDistance(dimension=3), frontal),
         "eigenfaces": by_photographs("eigenfaces", frontal),
         "correlation": by_photographs("correlation", frontal),
         "fisherfaces": by_photographs("fisherfaces", frontal),
         "gradient direction": by_photographs("gradient-direction", frontal),
         "LBPH": by_photographs("lbph", frontal),
-        "9-D harmonic": by_subspace(galleries[False].images, 9),
-        "9-D with cast shadows": by_subspace(galleries[True].images, 9),
-        "9-D, non-negative light": non_negative_distances(
-            pixels, galleries[True].images[..., mask].astype(np.float64)
-        ),
-        "nine points of light": by_subspace(nine, 9),
+        "9-D harmonic": by_meshes("9d"),
+        "9-D with cast shadows": by_meshes("shadowed+9d"),
+        "9-D, non-negative light": by_meshes("shadowed+non-negative-9d"),
+        "nine points of light": by_photographs(SubspaceDistance(), nine),
         "local, seven frontal": by_photographs("local", frontal),
         "local, nine points": by_photographs("local", nine),
     }

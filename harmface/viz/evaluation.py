@@ -13,16 +13,17 @@ RANKS = 20
 
 
 def evaluation_figure(methods: Mapping[str, Mapping[str, Any]]) -> Figure:
-    """Return errors by subset with their intervals, cumulative match, and ROC.
+    """Return errors by subset with their intervals, cumulative match, ROC and reliability.
 
     Parameters
     ----------
     methods
         What `harmface evaluate` found of each: `subsets` of `errors`, `probes` and `interval`;
-        `cumulative_match`; `roc` of `false_accepts`, `true_accepts` and `true_accepts_relative`.
+        `cumulative_match`; `roc` of `false_accepts`, `true_accepts` and `true_accepts_relative`;
+        `reliability` of `claimed`, `right` and `count`, or None without probabilities.
     """
-    figure = Figure(figsize=(14, 3.9), layout="constrained")
-    by_subset, by_rank, verification = figure.subplots(1, 3)
+    figure = Figure(figsize=(18, 3.9), layout="constrained")
+    by_subset, by_rank, verification, trust = figure.subplots(1, 4)
     colors = {name: f"C{number % 10}" for number, name in enumerate(methods)}
     _bars(by_subset, methods, colors)
     for number, (name, found) in enumerate(methods.items()):
@@ -33,6 +34,14 @@ def evaluation_figure(methods: Mapping[str, Mapping[str, Any]]) -> Figure:
         rates, absolute, relative = (100 * np.array(curve) for curve in found["roc"].values())
         verification.plot(rates, relative, **style)
         verification.plot(rates, absolute, color=colors[name], lw=0.8, ls=":")
+        if found["reliability"] is not None:
+            claimed, right, count = (
+                np.array(found["reliability"][key]) for key in ("claimed", "right", "count")
+            )
+            some = count > 0
+            trust.plot(100 * claimed[some], 100 * right[some], "o-", color=colors[name])
+    trust.plot([0, 100], [0, 100], color="0.6", lw=0.8, ls="--")
+    trust.set(title="reliability of the probabilities", xlabel="claimed, %", ylabel="right, %")
     by_rank.set(title="cumulative match", xlabel="rank", ylabel="probes, %")
     by_rank.xaxis.set_major_locator(MaxNLocator(integer=True))
     by_rank.legend(frameon=False, fontsize=8)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import pytest
 
 from harmface.cli import main
+from harmface.reproduce import population
 
 
 @dataclass
@@ -13,6 +14,19 @@ class Outcome:
     code: int
     out: str
     err: str
+
+
+@pytest.fixture(scope="session")
+def kept_people(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(autouse=True)
+def few_people(monkeypatch, kept_people):
+    """Procedural people to learn from: few and small, and none of the user's."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(kept_people))
+    for name, value in (("PEOPLE", 8), ("SIZE", 64), ("LIGHTS", 20)):
+        monkeypatch.setattr(population, name, value)
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from PIL import Image
 
 import harmface.light
 from harmface.io import claim, write_environment_map, write_gallery
-from harmface.io.galleries import LabelledPhotographs, enrolled_photographs
+from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
 
 @pytest.fixture
@@ -125,10 +125,11 @@ def test_of_two_commands_on_one_output_one_is_refused(run, sky, check_refused, t
 def test_brackets_in_names_are_no_markup(run, tmp_path):
     images = np.random.default_rng(0).random((4, 8, 8))
     names = ("[/x] :smile:", "[/x] :smile:", "[bold]b[/bold]", "[bold]b[/bold]")
-    photographs = LabelledPhotographs(names, images)
+    photographs = Photographs(np.array(names), images)
+    gallery = Gallery(photographs, photographs.everywhere)
     folder = tmp_path / "a[" / "b]"  # together a closing tag
     folder.mkdir(parents=True)
-    write_gallery(folder / "g.npz", enrolled_photographs(photographs, "nearest"))
+    write_gallery(folder / "g.npz", SubjectClassifier.from_gallery(gallery, "nearest"))
     Image.fromarray((255 * images[0]).astype(np.uint8)).save(folder / "[bold].png")
     outcome = run("recognize", "a[/b]/g.npz", "a[/b]/[bold].png")
     assert outcome.code == 0, outcome.err
@@ -196,8 +197,6 @@ def test_a_stopped_reproduction_goes_on_where_it_was(run, tmp_path, monkeypatch)
 
 
 def test_a_stopped_evaluation_goes_on_where_it_was(run, tmp_path, monkeypatch):
-    from harmface.recognition import evaluation
-
     rng = np.random.default_rng(0)
     for person in "abc":
         (tmp_path / "people" / person).mkdir(parents=True)
@@ -208,15 +207,15 @@ def test_a_stopped_evaluation_goes_on_where_it_was(run, tmp_path, monkeypatch):
             Image.fromarray(codes.astype(np.uint8)).save(picture)
     common = ("evaluate", "people", "--gallery", "first:2", "--methods", "nearest,correlation")
     assert run(*common, "--out", "whole").code == 0
-    measure, calls = evaluation.distances_by, []
+    measure, calls = SubjectClassifier.distances, []
 
-    def once(method, probes):
-        calls.append(method)
+    def once(classifier, probes):
+        calls.append(classifier)
         if len(calls) == 2:
             raise KeyboardInterrupt
-        return measure(method, probes)
+        return measure(classifier, probes)
 
-    monkeypatch.setattr(evaluation, "distances_by", once)
+    monkeypatch.setattr(SubjectClassifier, "distances", once)
     assert run(*common, "--out", "again").code == 130
     assert run(*common, "--out", "again").code == 0
     assert len(calls) == 3

@@ -116,8 +116,8 @@ def gallery() -> list[Files]:
     header = {"descr": "<f8", "fortran_order": False, "shape": (4, 2**12, 2**13)}
     np.lib.format.write_array_header_1_0(array, header)
     parts = containers.npz_parts(seeds.gallery()[0]["g.npz"])
-    zeros = b"images.npy\0" + array.getvalue() + bytes(2**30)
-    parts = [zeros if part.startswith(b"images") else part for part in parts]
+    zeros = b"photographs.npy\0" + array.getvalue() + bytes(2**30)
+    parts = [zeros if part.startswith(b"photographs") else part for part in parts]
     return [{"g.npz": containers.npz_whole(parts)}, *npz("g.npz")]
 
 

@@ -209,22 +209,20 @@ def pfm() -> list[Files]:
 
 
 def gallery() -> list[Files]:
-    from harmface.io.galleries import (
-        Enrolled,
-        LabelledPhotographs,
-        enrolled_photographs,
-        write_gallery,
-    )
-    from harmface.recognition import Gallery
+    from harmface.io import write_gallery
+    from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
-    images = np.random.default_rng(0).random((4, 5, 6))
-    photographs = LabelledPhotographs(("a", "a", "b", "b"), images)
-    first = enrolled_photographs(photographs, "local", facts={"srgb": False})
-    harmonic = Gallery(("a", "b"), np.random.default_rng(1).random((2, 9, 5, 6)))
-    second = Enrolled(harmonic, "9d", photographs, np.ones((5, 6), bool), True)
+    rng = np.random.default_rng(0)
+    photographs = Photographs(np.array(["a", "a", "b", "b"]), rng.random((4, 5, 6)))
+    plain = Gallery(photographs, photographs.everywhere, relit=photographs, facts={"srgb": False})
+    harmonic = Gallery(photographs, photographs.everywhere, harmonic=rng.random((2, 9, 5, 6)))
+    classifiers = [
+        SubjectClassifier.from_gallery(plain, "relit+local"),
+        SubjectClassifier.from_gallery(harmonic, "9d"),
+    ]
     return [
         {"g.npz": written("g.npz", lambda p, each=each: write_gallery(p, each))}
-        for each in (first, second)
+        for each in classifiers
     ]
 
 

@@ -33,7 +33,7 @@ def prepare(folder: Path) -> None:
     """Make the input of all commands."""
     from harmface.geometry import Mesh
     from harmface.io import write_environment_map, write_gallery, write_ply
-    from harmface.io.galleries import LabelledPhotographs, enrolled_photographs
+    from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
     rng = np.random.default_rng(0)
     write_environment_map(folder / "sky.hdr", rng.random((8, 16, 3), np.float32))
@@ -55,9 +55,9 @@ def prepare(folder: Path) -> None:
         (folder / "people" / name).mkdir(parents=True)
         for number, image in enumerate(stack):
             _save(folder / "people" / name / f"{number}.png", image)
-    subjects = tuple(np.repeat(list("abc"), 5).tolist())
-    photographs = LabelledPhotographs(subjects, people.reshape(15, 12, 10))
-    write_gallery(folder / "people.npz", enrolled_photographs(photographs, "nearest"))
+    photographs = Photographs(np.repeat(list("abc"), 5), people.reshape(15, 12, 10))
+    gallery = Gallery(photographs, photographs.everywhere)
+    write_gallery(folder / "people.npz", SubjectClassifier.from_gallery(gallery, "nearest"))
     _photographs(folder / "photographs")
 
 

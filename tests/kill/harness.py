@@ -25,7 +25,7 @@ from kill.commands import COMMANDS, UNREPEATABLE, prepare
 TOUCHES = ("open", "os.rename", "os.remove", "os.mkdir", "os.rmdir")
 """Audit events of Python: moments before a file is touched."""
 
-IMPORTED = ("enrollment", "io", "pca", "recognition.baselines", "reproduce.run", "stereo", "viz")
+IMPORTED = ("enrollment", "io", "pca", "recognition.methods", "reproduce.run", "stereo", "viz")
 """Rooms of the package that forks then need not import again."""
 
 Tree = dict[str, bytes]

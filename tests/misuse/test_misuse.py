@@ -132,9 +132,9 @@ CALLS = {
         {"probes": PIXELS[:3], "images": IMAGES},
     ),
     "margins": (recognition.margins, {"distances": PIXELS}),
-    "Gallery": (
-        lambda images: recognition.Gallery(("a", "b"), images).images,
-        {"images": RNG.random((2, 9, 4, 5))},
+    "Photographs": (
+        lambda images: recognition.Photographs(np.array(["a", "b"]), images).images,
+        {"images": RNG.random((2, 4, 5))},
     ),
     "angular_errors": (stereo.angular_errors, {"normals": GRID, "truth": GRID[::-1].copy()}),
     "without_rotation": (

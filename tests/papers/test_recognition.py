@@ -11,6 +11,7 @@ from data_synth.faces import head
 from data_synth.lightings import yale64
 from harmface.light import DistantLight
 from harmface.recognition import (
+    SubjectClassifier,
     nearest_lights,
     nine_points,
     orthonormal_basis,
@@ -18,7 +19,6 @@ from harmface.recognition import (
     subject_photographs,
     subspace_distances,
 )
-from harmface.recognition.baselines import recognizer
 from harmface.reproduce.synthetic import mesh_of
 
 SUBJECTS, SIZE = 10, 32
@@ -48,7 +48,7 @@ def errors():
     nine = photographs[:, nearest_lights(GRID.directions, nine_points())]
     frontal = noisy[:, GRID.subset == 1]
     pixels = probes.shape[1]
-    eigenfaces = recognizer("eigenfaces", (1, pixels), 7)
+    eigenfaces = SubjectClassifier("eigenfaces")
     eigenfaces.fit(frontal.reshape(-1, pixels), np.repeat(np.arange(SUBJECTS), 7))
     bases = {"3-D": plain[:, 1:4], "9-D": plain, "shadows": shadowed, "nine points": nine}
     named = {

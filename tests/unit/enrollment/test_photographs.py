@@ -4,8 +4,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from harmface.enrollment import from_known_lights, from_stereo, photographs, with_nine_points
+from harmface.enrollment import from_known_lights, from_stereo, photographs, with_relit
 from harmface.errors import ArgumentError
+from harmface.recognition import Gallery, Photographs
 from harmface.recognition.nine_points import nine_points
 
 NAMES = ("ann", "bob", "cyd")
@@ -23,10 +24,9 @@ def gallery(hill, around):
     )
 
 
-def listed(gallery):
-    """With lights as the names of photographs tell them."""
-    images, names, lights = gallery
-    return images, names, [tuple(map(float, light)) for light in lights]
+def enrolled(images, names, lights):
+    taken = Photographs(names, images)
+    return Gallery(taken, taken.everywhere, lights=lights)
 
 
 def median_angle(found, truth):
@@ -48,13 +48,12 @@ def test_albedo_is_that_of_the_surface(gallery, hill):
 
 
 def test_photographs_not_taken_are_those_that_would_have_been(gallery, hill):
-    images, names = with_nine_points(*listed(gallery))
-    taken = len(gallery[0])
-    assert images.dtype == np.float32
-    assert np.array_equal(images[:taken], gallery[0])
-    assert names[taken:].tolist() == np.repeat(NAMES, 8).tolist()
+    made = with_relit(enrolled(*gallery))
+    assert np.array_equal(made.photographs.images, gallery[0])
+    assert made.relit.images.dtype == np.float32
+    assert made.relit.subjects.tolist() == np.repeat(NAMES, 8).tolist()
     truth = np.minimum(hill(1.0, 1).images(nine_points()[1:]), gallery[0].max())
-    made, flat = images[taken + 8 : taken + 16], images[7:8]
+    made, flat = made.relit.images[8:16], gallery[0][7:8]
     within = (slice(None), slice(1, -1), slice(1, -1))
     error = np.abs(made - truth)[within].mean()
     assert error < 0.1 * np.abs(flat - truth)[within].mean()
@@ -66,10 +65,10 @@ def test_rendered_photographs_saturate_as_the_camera_does(hill, around):
     albedo = np.where(gentle.depth < gentle.depth.max() / 2, 0.9, 0.2)
     steep = replace(gentle, depth=4 * gentle.depth, slopes=4 * gentle.slopes, albedo=albedo)
     taken = steep.images(around(10.0))
-    gallery = listed((taken, np.full(7, "ann"), around(10.0)))
-    subject = from_known_lights(taken, gallery[1], around(10.0))["ann"]
+    gallery = enrolled(taken, np.full(7, "ann"), around(10.0))
+    subject = from_known_lights(taken, np.full(7, "ann"), around(10.0))["ann"]
     assert subject.photographs(nine_points()).max() > 1.1 * taken.max()
-    assert with_nine_points(*gallery)[0].max() == taken.max()
+    assert with_relit(gallery).relit.images.max() == taken.max()
 
 
 def test_the_order_of_the_photographs_plays_no_part(gallery, rng):
@@ -122,9 +121,8 @@ def test_nothing_is_rendered_that_was_photographed(hill):
     turned = [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
     lights = nine_points() @ np.array(turned)
     images = hill(1.0).images(lights)
-    gallery, names = with_nine_points(*listed((images, np.full(9, "ann"), lights)))
-    assert np.array_equal(gallery, images)
-    assert len(names) == 9
+    made = with_relit(enrolled(images, np.full(9, "ann"), lights))
+    assert made.relit.images.shape == (0, *images.shape[1:])
 
 
 def test_a_normal_that_looks_away_becomes_a_steep_slope(hill, around, monkeypatch):
@@ -139,6 +137,5 @@ def test_a_normal_that_looks_away_becomes_a_steep_slope(hill, around, monkeypatc
 
 
 def test_photographs_of_unknown_light_are_refused(gallery):
-    images, names, lights = listed(gallery)
     with pytest.raises(ArgumentError, match="names that tell the light"):
-        with_nine_points(images, names, [*lights[1:], None])
+        with_relit(enrolled(*gallery[:2], None))

@@ -117,14 +117,16 @@ def test_names_of_the_yale_database_may_end_otherwise(tmp_path, suffix):
     assert find_photographs(tmp_path)[0].light == pytest.approx((0, 1, 0), abs=1e-15)
 
 
-def test_photographs_are_stretched_only_with_a_word_and_all_alike(tmp_path):
+def test_photographs_are_cut_with_a_word_and_never_stretched(tmp_path):
     for name, size in (("anna/1", (192, 168)), ("bert/1", (96, 84))):
         photograph(tmp_path / f"{name}.png", size)
     found = find_photographs(tmp_path)
     kept, images = read_photographs(found, size=(48, 42))
     assert images.shape == (2, 48, 42)
-    with pytest.warns(FileWarning, match="192 x 168 pixels, which are stretched .* 48 x 48"):
-        assert read_photographs(found, size=(48, 48))[1].shape == (2, 48, 48)
+    with pytest.warns(FileWarning, match="192 x 168 pixels, of which the middle .* 24 x 42"):
+        cut = read_photographs(found, size=(24, 42))[1]
+    # Both are multiples of 48 x 42, of which the middle 24 rows remain.
+    np.testing.assert_allclose(cut, images[:, 12:36], atol=1e-6)
     photograph(tmp_path / "cleo/1.png", (192, 192))
     found = find_photographs(tmp_path)
     with pytest.raises(FileError, match=r"cleo.1.png: has 192 x 192 pixels, another ratio"):

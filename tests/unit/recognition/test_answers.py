@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from harmface.errors import ArgumentError
-from harmface.recognition.answers import estimated_light, margins, posteriors, rejection
+from harmface.recognition.answers import estimated_light, margins, posteriors
 from harmface.rendering import relight
 
 
@@ -25,17 +25,6 @@ def test_posteriors_stay_finite_for_many_pixels_and_a_perfect_fit():
     assert np.allclose(posteriors(np.array([[0.0, 0.5], [1e-3, 1e-3]]), 1e5), [[1, 0], [0.5, 0.5]])
 
 
-def test_threshold_accepts_as_many_strangers_as_allowed(rng):
-    distances = 0.5 + 0.5 * rng.random((200, 5))
-    truth = rng.integers(0, 5, 200)
-    distances[np.arange(200), truth] = 0.1
-    found = rejection(distances, truth, 0.05)
-    others = np.where(np.arange(5) == truth[:, None], np.inf, distances).min(axis=1)
-    assert (others < found.threshold).sum() == 10
-    assert found.false_accept_rate == 0.05
-    assert found.strangers == 200
-
-
 def test_estimated_light_is_that_of_least_squares(rng):
     images = rng.standard_normal((3, 4, 30))
     light = rng.standard_normal((3, 4))
@@ -56,10 +45,6 @@ TWO = np.ones((4, 2))
         (lambda: margins(-TWO), "negative"),
         (lambda: posteriors(TWO, 0.0), "independent must be above 0"),
         (lambda: posteriors(np.full((1, 2), np.nan), 1.0), "finite"),
-        (lambda: rejection(TWO, np.zeros(4, int), 0.0), "between 0 and 1"),
-        (lambda: rejection(TWO, np.zeros(3, int), 0.5), "for each row"),
-        (lambda: rejection(TWO, np.full(4, 2), 0.5), "for each row"),
-        (lambda: rejection(TWO, np.zeros(4, int), 0.01), "at least 100 images"),
         (lambda: estimated_light(np.ones((2, 5)), np.ones((1, 3, 5))), "each of 2 probes"),
         (lambda: estimated_light(np.ones((2, 4)), np.ones((2, 3, 5))), "5 pixels"),
     ],

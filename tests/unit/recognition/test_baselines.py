@@ -1,17 +1,15 @@
 import numpy as np
 import pytest
+from scipy.spatial.distance import cdist
 from sklearn.base import clone
+from sklearn.decomposition import PCA
+from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
+from sklearn.pipeline import make_pipeline
 
 from harmface.errors import ArgumentError
-from harmface.recognition.baselines import (
-    METHODS,
-    NORMALIZERS,
-    Eigenfaces,
-    gradient_direction,
-    recognizer,
-    standardized,
-)
-from harmface.recognition.nearest import NearestImageClassifier
+from harmface.recognition import METHODS, SubjectClassifier, distance_named
+from harmface.recognition.baselines import EigenfacesDistance, gradient_direction, standardized
+from harmface.recognition.normalizers import NORMALIZERS
 
 SHAPE = (24, 20)
 NAMES = ["ann", "bob", "cyd", "dan"]
@@ -25,30 +23,47 @@ def faces(rng):
     return (albedo * slope).reshape(20, -1), np.repeat(NAMES, 5)
 
 
-# The local method takes off slow light itself; it and the cone take photographs, nowhere negative.
+DISTANCES = {name: distance_named(name) for name in METHODS}
+OF_PHOTOGRAPHS = [n for n, each in DISTANCES.items() if not (each.of_surfaces or each.learns)]
+# Normalised photographs are negative; what takes light for light cannot do with them.
 NAMES_OF_ALL = [
     f"{before}+{method}"
     for before in NORMALIZERS
-    for method in METHODS
-    if method not in ("local", "cone")
+    for method in OF_PHOTOGRAPHS
+    if method not in ("local", "cone", "likelihood")
 ]
 
 
-@pytest.mark.parametrize("name", [*METHODS, *NAMES_OF_ALL])
+@pytest.mark.parametrize("name", [*OF_PHOTOGRAPHS, *NAMES_OF_ALL])
 def test_every_method_knows_its_gallery_under_other_light(name, faces, rng):
     images, names = faces
     probes = images * (1 + 0.01 * rng.random(images.shape))
-    fitted = clone(recognizer(name, SHAPE, 5)).fit(images, names)
+    fitted = clone(SubjectClassifier(name, SHAPE)).fit(images, names)
     assert (fitted.predict(probes) == names).mean() >= 0.95
-    scores = fitted[-1].distances(fitted[:-1].transform(probes) if len(fitted) > 1 else probes)
-    assert scores.shape == (20, 4)
-    assert np.array_equal(fitted.classes_[scores.argmin(axis=1)], fitted.predict(probes))
+    distances = fitted.distances(probes)
+    assert distances.shape == (20, 4)
+    assert np.array_equal(fitted.classes_[distances.argmin(axis=1)], fitted.predict(probes))
 
 
 def test_distance_to_a_subject_is_that_to_its_nearest_image():
     gallery = np.array([[4.0, 0], [0, 0], [0, 3]])
-    classifier = NearestImageClassifier().fit(gallery, ["b", "b", "a"])
+    classifier = SubjectClassifier("nearest").fit(gallery, ["b", "b", "a"])
     assert np.allclose(classifier.distances([[4.0, 3.0]]), [[4, 3]])
+
+
+def test_what_stands_before_a_method_is_done_to_probes(rng):
+    images = rng.random((6, 30))
+    found = SubjectClassifier("self-quotient+nearest", (5, 6)).fit(images, np.arange(6))
+    assert found.distances(2 * images) == pytest.approx(found.distances(images))
+
+
+def test_fisherfaces_are_those_of_scikit_learn(faces):
+    images, names = faces
+    found = SubjectClassifier("fisherfaces", SHAPE).fit(images, names)
+    theirs = make_pipeline(PCA(16, random_state=0), LinearDiscriminantAnalysis(solver="svd"))
+    features = theirs.fit(images, names).transform(images)
+    expected = cdist(features, features).reshape(20, 4, 5).min(axis=2)
+    assert np.allclose(found.distances(images), expected, atol=1e-6 * expected.max())
 
 
 def test_distances_of_standardised_images_are_those_of_correlation(rng):
@@ -60,7 +75,8 @@ def test_distances_of_standardised_images_are_those_of_correlation(rng):
 
 def test_eigenfaces_leave_out_the_strongest_components(rng):
     images = rng.standard_normal((30, 8)) * np.array([50, 20, 10, 1, 1, 1, 1, 1])
-    coordinates = Eigenfaces(left_out=3).fit(images).transform(images)
+    distance, stack = EigenfacesDistance(left_out=3), images[:, None]
+    coordinates = distance.features(distance.learn(stack, np.arange(30)), stack)
     assert coordinates.shape == (30, 5)
     assert coordinates.std(axis=0).max() < 3
 
@@ -73,13 +89,25 @@ def test_gradient_direction_is_a_unit_vector_along_the_slope():
     assert not gradient_direction(np.ones((1, 4, 4))).any()
 
 
-@pytest.mark.parametrize("name", ["eigen", "sharp+nearest", "equalized+equalized+nearest", ""])
-def test_an_unknown_name_is_refused(name):
-    with pytest.raises(ArgumentError, match="method must be one of local, robust"):
-        recognizer(name, SHAPE, 5)
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("eigen", "method must be best, or one of local, whitened"),
+        ("sharp+nearest", "method must be best"),
+        ("equalized+equalized+nearest", "method must be best"),
+        ("relit+shadowed+subspace", "method must be best"),
+        ("framed+framed+local", "method must be best"),
+        ("", "method must be best"),
+        ("equalized+9d", "9d must have photographs"),
+        ("shadowed+lbph", "lbph must have one of photographs, relit"),
+    ],
+)
+def test_an_unknown_name_is_refused(name, message):
+    with pytest.raises(ArgumentError, match=message):
+        distance_named(name)
 
 
 def test_fisherfaces_need_several_images_of_a_subject(faces):
     images, names = faces
     with pytest.raises(ArgumentError, match="several of a subject"):
-        recognizer("fisherfaces", SHAPE, 1).fit(images[::5], names[::5])
+        SubjectClassifier("fisherfaces", SHAPE).fit(images[::5], names[::5])

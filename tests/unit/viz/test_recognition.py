@@ -78,12 +78,13 @@ def found(errors):
             "true_accepts": [0.1, 1.0],
             "true_accepts_relative": [0.5, 1.0],
         },
+        "reliability": {"claimed": [0.0, 0.95], "right": [0.0, 0.9], "count": [0, 7]},
     }
 
 
 def test_an_evaluation_shows_every_method_in_every_panel():
     figure = evaluation_figure({"local": found(1), "lbph": found(4)})
-    bars, match, roc = figure.axes
+    bars, match, roc, trust = figure.axes
     heights = [round(patch.get_height()) for patch in bars.patches]
     assert heights == [10, 10, 40, 40]
     intervals = [line[:, 1].tolist() for each in bars.collections for line in each.get_segments()]
@@ -94,7 +95,14 @@ def test_an_evaluation_shows_every_method_in_every_panel():
     ]
     assert [line.get_ydata().tolist() for line in match.lines] == [[90, 100], [60, 100]]
     assert [line.get_ydata()[0] for line in roc.lines] == [50, 10, 50, 10]
+    drawn = [line.get_xydata().tolist() for line in trust.lines]
+    assert drawn == [[[95, 90]], [[95, 90]], [[0, 0], [100, 100]]]
     assert pixels(figure).min() == 0
+
+
+def test_without_probabilities_no_reliability_is_shown():
+    figure = evaluation_figure({"local": {**found(1), "reliability": None}})
+    assert len(figure.axes[3].lines) == 1
 
 
 def test_probes_of_no_known_subset_are_one_group():

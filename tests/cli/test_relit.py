@@ -51,42 +51,42 @@ def unlit(photographs, tmp_path):
     return "plain"
 
 
-def test_the_best_setting_renders_what_was_not_photographed(run, yale):
-    methods = ("--methods", "best,local,rendered+local,rendered+subspace")
+def test_what_was_not_photographed_is_rendered(run, yale):
+    methods = ("--methods", "best,local,relit+local,relit+subspace")
     outcome = run("evaluate", yale, "--gallery", "subset1", *methods, "--json")
     assert outcome.code == 0
     record = json.loads(outcome.out)
-    assert record["protocol"]["settings"]["best"] == "rendered+local"
+    assert record["protocol"]["settings"]["best"] == "whitened"
     assert record["images_enrolled"] == PEOPLE * FRONTAL
     curves = {name: each["roc"] for name, each in record["methods"].items()}
-    assert curves["best"] == curves["rendered+local"]
-    assert curves["best"] != curves["local"]
-    assert record["methods"]["best"]["errors"] <= record["methods"]["best"]["probes"] / 10
+    assert curves["relit+local"] != curves["local"]
+    found = record["methods"]["relit+local"]
+    assert found["errors"] <= found["probes"] / 10
 
 
-def test_without_known_lights_the_best_setting_does_without(run, unlit, check_refused):
+def test_without_known_lights_nothing_is_rendered(run, unlit, check_refused):
     outcome = run("evaluate", unlit, "--gallery", "first:4", "--json")
-    assert json.loads(outcome.out)["protocol"]["settings"] == {"best": "local"}
-    arguments = ("evaluate", unlit, "--gallery", "first:4", "--methods", "rendered+local")
+    assert json.loads(outcome.out)["protocol"]["settings"] == {"best": "whitened"}
+    arguments = ("evaluate", unlit, "--gallery", "first:4", "--methods", "relit+local")
     check_refused("names that tell the light", *arguments)
 
 
 def test_enrolled_surfaces_join_the_gallery(run, yale, tmp_path):
-    arguments = ("enroll", yale, "--gallery", "subset1", "--from-stereo", "--out", "g.npz")
-    assert run(*arguments).code == 0
-    enrolled = read_gallery(tmp_path / "g.npz")
+    assert (
+        run(
+            "enroll", yale, "--gallery", "subset1", "--method", "relit+local", "--out", "g.npz"
+        ).code
+        == 0
+    )
+    gallery = read_gallery(tmp_path / "g.npz").gallery_
+    assert len(gallery.photographs.images) == PEOPLE * FRONTAL
     # Of the nine points of light the frontal one was photographed.
-    assert len(enrolled.gallery.images) == PEOPLE * (FRONTAL + 8)
-    assert enrolled.facts["from_stereo"] is True
+    assert len(gallery.relit.images) == PEOPLE * 8
     probe = tmp_path / "yale" / "yaleB02" / f"yaleB02_P00{GRID.labels[USED[-1]]}.pgm"
     found = json.loads(run("recognize", "g.npz", str(probe), "--json").out)
     assert found["results"][0]["ranking"][0]["subject"] == "yaleB02"
 
 
 def test_surfaces_are_recovered_from_photographs_of_known_light_only(unlit, check_refused):
-    check_refused("names that tell the light", "enroll", unlit, "--from-stereo", "--out", "g.npz")
-
-
-def test_meshes_have_surfaces_already(run, check_refused):
-    run("synth", "faces", "--count", 1, "--out", "faces")
-    check_refused("for photographs", "enroll", "faces", "--from-stereo", "--out", "g.npz")
+    arguments = ("enroll", unlit, "--method", "relit+local", "--out", "g.npz")
+    check_refused("names that tell the light", *arguments)

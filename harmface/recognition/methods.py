@@ -1,0 +1,135 @@
+"""Every method by its name."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from harmface.errors import ArgumentError
+from harmface.recognition import baselines
+from harmface.recognition.distance import Distance
+from harmface.recognition.gallery import HARMONIC, RELIT, SHADOWED, Gallery
+from harmface.recognition.illumination_cone import ConeDistance
+from harmface.recognition.local_subspace import LocalDistance
+from harmface.recognition.noise import LikelihoodDistance
+from harmface.recognition.non_negative import NonNegativeDistance
+from harmface.recognition.non_negative_4d import NonNegativeDistance4D
+from harmface.recognition.normalizers import NORMALIZERS, NormalizedDistance
+from harmface.recognition.robust import RobustDistance
+from harmface.recognition.spanned import SubspaceDistance
+from harmface.recognition.whitened import WhitenedDistance
+
+ENOUGH = 7
+"""Photographs of a person that tell its looks by themselves: 7 frontal ones did on real and on
+procedural faces alike."""
+
+BEST = "best"
+"""The method to use, whatever the gallery holds."""
+
+
+def _registered() -> Distance:
+    # OpenCV takes a while to load: what needs it is imported where it is asked for.
+    from harmface.recognition.registration import RegisteredDistance
+
+    return RegisteredDistance()
+
+
+def _lbph() -> Distance:
+    from harmface.recognition.lbph import LbphDistance
+
+    return LbphDistance()
+
+
+METHODS: dict[str, Callable[[], Distance]] = {
+    "local": LocalDistance,
+    "whitened": WhitenedDistance,
+    "robust": RobustDistance,
+    "registered": _registered,
+    "subspace": SubspaceDistance,
+    "likelihood": LikelihoodDistance,
+    "cone": ConeDistance,
+    "3d": lambda: SubspaceDistance(HARMONIC, 3, 1),
+    "4d": lambda: SubspaceDistance(HARMONIC, 4),
+    "9d": lambda: SubspaceDistance(HARMONIC, 9),
+    "16d": lambda: SubspaceDistance(SHADOWED, 16),
+    "25d": lambda: SubspaceDistance(SHADOWED, 25),
+    "non-negative-4d": NonNegativeDistance4D,
+    "non-negative-9d": NonNegativeDistance,
+    "correlation": baselines.CorrelationDistance,
+    "nearest": baselines.PixelDistance,
+    "eigenfaces": baselines.EigenfacesDistance,
+    "eigenfaces-3": lambda: baselines.EigenfacesDistance(left_out=3),
+    "fisherfaces": baselines.FisherfacesDistance,
+    "gradient-direction": baselines.GradientDirectionDistance,
+    "lbph": _lbph,
+}
+"""Distances by name: to photographs, but those with a dimension in their name are to harmonic
+images, with attached shadows up to 9 dimensions and with cast shadows beyond."""
+
+FRAMED = "framed"
+"""What stands before a method, with a plus, to search for how probes are framed."""
+
+BEFORE = (FRAMED, RELIT, HARMONIC, SHADOWED, *NORMALIZERS)
+"""What may stand before a name, with a plus: how probes are framed, one of what subjects are known
+by, and one of what is done to photographs."""
+
+
+def distance_named(name: str) -> Distance:
+    """Return the distance of a name, other than "best".
+
+    Parameters
+    ----------
+    name
+        One of `METHODS`, with words of `BEFORE` and a plus before it if wanted, such as
+        "shadowed+robust" or "framed+relit+local".
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such method, or it cannot do with what stands before it.
+    """
+    *before, method = name.split("+")
+    sources = [word for word in before if word not in (FRAMED, *NORMALIZERS)]
+    normalizers = [word for word in before if word in NORMALIZERS]
+    known = method in METHODS and set(before) <= set(BEFORE) and before.count(FRAMED) < 2
+    if not known or len(sources) > 1 or len(normalizers) > 1:
+        raise ArgumentError(
+            f"method must be {BEST}, or one of {', '.join(METHODS)}, or one of {', '.join(BEFORE)} "
+            f"and a plus before it, got {name!r}"
+        )
+    distance = METHODS[method]()
+    if normalizers and distance.of_surfaces:
+        raise ArgumentError(f"method {method} must have photographs for {normalizers[0]}+")
+    for source in sources:
+        if source not in distance.sources:
+            raise ArgumentError(
+                f"method {method} must have one of {', '.join(distance.sources)}, got {source!r}"
+            )
+        distance = replace(distance, source=source)
+    if normalizers:
+        source = distance.source
+        distance = NormalizedDistance(source, normalizers[0], distance)
+    if FRAMED in before:
+        from harmface.recognition.framed import FramedDistance
+
+        distance = FramedDistance(distance.source, distance)
+    return distance
+
+
+def best_method(gallery: Gallery) -> str:
+    """Return the name of the method to use with a gallery.
+
+    Of meshes it is what told procedural heads apart by the widest margin, however probes are
+    framed; of few photographs a person, `whitened`, where there are other people to learn from; of
+    more photographs under known light, `local` with relit photographs; of others, `local`.
+    """
+    if gallery.harmonic is not None:
+        return "framed+25d"
+    if gallery.others is not None and wants_others(gallery):
+        return "whitened"
+    return "local" if gallery.lights is None else "relit+local"
+
+
+def wants_others(gallery: Gallery) -> bool:
+    """Return whether other people tell more of somebody's looks than the few photographs do."""
+    return gallery.harmonic is None and int(np.bincount(gallery.which).min()) < ENOUGH

@@ -1,0 +1,187 @@
+"""How light changes faces as a class, learned from other people, and what is left of it.
+
+One photograph of a person does not tell what the person looks like under other light; other people
+under several lights do. In the logarithm of a window (see `local_subspace`) a photograph is what is
+its subject's own, plus what light makes of faces. The covariance `W` of the latter is the scatter
+of other people's photographs about each person's mean ([MJP00]_, the intrapersonal space). Windows
+are whitened by `(W + ridge)^(-1/2)`, in which all that light does is as likely in all directions,
+and compared by the cosine of their angle about the other people's mean: what light does to a window
+as a whole, strong or weak, then plays no part.
+
+The ridge is the one under which people that were left out are most likely, so that it follows from
+how many people there are and how alike they are. Windows of a probe are tried one step aside, too,
+which absorbs small misalignment; each votes by its best position, and by the best of a subject's
+photographs.
+
+References
+----------
+.. [MJP00] Moghaddam, Jebara and Pentland, Bayesian Face Recognition, Pattern Recognition 2000.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface.errors import ArgumentError
+from harmface.recognition.distance import Distance, Model
+from harmface.recognition.gallery import PHOTOGRAPHS, RELIT, Gallery, Photographs
+from harmface.recognition.local_subspace import Windows, log_intensity
+
+RIDGES = 10.0 ** np.arange(-4, 1.1, 0.5)
+"""Ridges tried, as fractions of the mean eigenvalue of the covariance."""
+
+FOLDS = 4
+"""Parts of the other people, each left out once to tell the ridge."""
+
+FEWEST_PEOPLE = 4
+"""Other people that a covariance and its ridge can be told from, one of them left out."""
+
+CHUNK = 2**24
+"""Cosines held at a time: 64 MB in single precision."""
+
+
+@dataclass(frozen=True)
+class WhitenedDistance(Distance):
+    """The mean over windows of `sqrt(1 - cosine)` after whitening.
+
+    Parameters
+    ----------
+    noise
+        Standard deviation of the camera's noise in the dark, as a fraction of full scale.
+    """
+
+    sources = (PHOTOGRAPHS, RELIT)
+    learns = True
+    positive_only = True
+    noise: float = 0.005
+
+    def fit(self, gallery: Gallery) -> Model:
+        """Return the mean and the whitening of every window, and the gallery's windows whitened.
+
+        Raises
+        ------
+        ArgumentError
+            If the gallery has no other people to learn from, or too few.
+        """
+        if gallery.others is None:
+            raise ArgumentError(
+                "the gallery must come with photographs of other people under several lights to "
+                "learn from: `others` in Python, --learn-from on the command line"
+            )
+        windows = Windows(gallery.mask)
+        mean, whitening = self._learned(gallery.others, windows)
+        each = gallery.spanning(self.source)
+        images = np.concatenate(each) * gallery.mask
+        full_scale = float(images.max())
+        if full_scale <= 0:
+            raise ArgumentError("images must not all be black")
+        cut = windows.cut(log_intensity(images / full_scale, self.noise))
+        return {
+            "mean": mean,
+            "whitening": whitening,
+            "features": _features(cut, mean, whitening),
+            "which": np.repeat(np.arange(len(each)), [len(own) for own in each]),
+            "full_scale": np.array(full_scale),
+            "moved": np.array(0 if gallery.aligned else windows.shift),
+        }
+
+    def distances(
+        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+    ) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every probe to every subject, in [0, sqrt(2)]."""
+        windows, which = Windows(mask), model["which"]
+        logarithms = log_intensity(probes * mask / float(model["full_scale"]), self.noise)
+        first = np.flatnonzero(np.diff(which, prepend=-1))
+        found = np.empty((len(probes), len(first)), np.float32)
+        step = max(1, CHUNK // len(which) // len(windows.corners))
+        for start in range(0, len(probes), step):
+            some = slice(start, start + step)
+            cosines = self._best_cosines(model, logarithms[some], windows)
+            nearest = np.maximum.reduceat(cosines, first, axis=2)
+            found[some] = np.sqrt(np.maximum(1 - nearest, 0)).mean(axis=0)
+        return found
+
+    def _best_cosines(
+        self, model: Model, logarithms: Float[np.ndarray, "n H W"], windows: Windows
+    ) -> Float[np.ndarray, "J n G"]:
+        """Return the cosines of every window in its best position."""
+        step = int(model["moved"])
+        moves = [(0, 0), (step, 0), (-step, 0), (0, step), (0, -step)] if step else [(0, 0)]
+        gallery = model["features"].swapaxes(1, 2)
+        best = np.full((len(gallery), len(logarithms), gallery.shape[2]), -1, np.float32)
+        for move in moves:
+            cut = windows.cut(logarithms, move)
+            features = _features(cut, model["mean"], model["whitening"])
+            np.maximum(best, features @ gallery, out=best)
+        return best
+
+    def _learned(
+        self, others: Photographs, windows: Windows
+    ) -> tuple[Float[np.ndarray, "J 1 m"], Float[np.ndarray, "J m m"]]:
+        """Return the mean of every window of other people, and its whitening."""
+        names, which, counts = np.unique(others.subjects, return_inverse=True, return_counts=True)
+        if len(names) < FEWEST_PEOPLE or counts.min() < 2:
+            raise ArgumentError(
+                f"others must be at least {FEWEST_PEOPLE} people with two photographs each to "
+                f"learn from, got {len(names)} with {counts.min()} at least; give more"
+            )
+        scale = float(others.images.max())
+        # Faces are as likely the other way round, and so is light.
+        images = np.concatenate([others.images, others.images[..., ::-1]]) / scale
+        which = np.concatenate([which, which])
+        cut = windows.cut(log_intensity(images, self.noise)).astype(np.float64)
+        people = [cut[:, which == person] for person in range(len(names))]
+        mean = np.mean([own.mean(axis=1, keepdims=True) for own in people], axis=0)
+        scatters = np.stack([_scatter(own) for own in people])
+        ridge = likeliest_ridge(scatters)
+        values, vectors = np.linalg.eigh(scatters.mean(axis=0))
+        values = np.maximum(values, 0) + ridge * values.mean(axis=1, keepdims=True)
+        whitening = vectors / np.sqrt(values)[:, None]
+        return mean.astype(np.float32), whitening.astype(np.float32)
+
+
+def likeliest_ridge(scatters: Float[np.ndarray, "P J m m"]) -> float:
+    """Return the ridge under which people who were left out are most likely.
+
+    The log likelihood of a scatter `S` under a covariance `C` is `-(log det C + tr(S C^-1)) / 2` a
+    photograph; it is summed over windows and people.
+
+    Parameters
+    ----------
+    scatters
+        Covariance of each person's windows about the person's mean.
+
+    Returns
+    -------
+    float
+        One of `RIDGES`, as a fraction of the mean eigenvalue of the people's mean scatter.
+    """
+    fold = np.arange(len(scatters)) % FOLDS
+    surprise = np.zeros(len(RIDGES))
+    for each in np.unique(fold):
+        values, vectors = np.linalg.eigh(scatters[fold != each].mean(axis=0))
+        left_out = scatters[fold == each].sum(axis=0)
+        energy = ((left_out @ vectors) * vectors).sum(axis=1)
+        scale = values.mean(axis=1, keepdims=True)
+        people = (fold == each).sum()
+        for number, ridge in enumerate(RIDGES):
+            variances = np.maximum(values, 0) + ridge * scale
+            surprise[number] += (people * np.log(variances) + energy / variances).sum()
+    return float(RIDGES[surprise.argmin()])
+
+
+def _scatter(cut: Float[np.ndarray, "J n m"]) -> Float[np.ndarray, "J m m"]:
+    centred = cut - cut.mean(axis=1, keepdims=True)
+    return centred.swapaxes(1, 2) @ centred / centred.shape[1]
+
+
+def _features(
+    cut: Float[np.ndarray, "J n m"],
+    mean: Float[np.ndarray, "J 1 m"],
+    whitening: Float[np.ndarray, "J m m"],
+) -> Float[np.ndarray, "J n m"]:
+    """Return windows whitened and of norm 1."""
+    white = (cut - mean) @ whitening
+    norms = np.linalg.norm(white, axis=2, keepdims=True)
+    return np.divide(white, norms, out=np.zeros_like(white), where=norms > 0)

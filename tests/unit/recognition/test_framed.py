@@ -1,0 +1,110 @@
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from data_synth.faces import head
+from data_synth.lightings import yale64
+from harmface.geometry import OrthographicCamera, gbuffer
+from harmface.recognition import Gallery, Photographs, SubjectClassifier
+from harmface.recognition.framed import FramedDistance, misframed
+from harmface.recognition.local_subspace import LocalDistance
+from harmface.recognition.registration import Motion
+from harmface.rendering import render
+from harmface.reproduce.synthetic import light_of, mesh_of
+
+SUBJECTS, SHAPE = 5, (48, 42)
+GRID = yale64()
+KNOWN = np.flatnonzero(GRID.subset == 1)
+LIT = np.flatnonzero((GRID.subset == 2) | (GRID.subset == 3))[::4]
+
+
+@pytest.fixture(scope="module")
+def faces():
+    """Faces cropped from a larger picture, so that what is moved in is face and not its rim."""
+    lights = light_of(GRID)
+    lights = type(lights)(lights.directions, lights.irradiances[np.concatenate([KNOWN, LIT])])
+    stacks = []
+    for seed in range(SUBJECTS):
+        mesh = mesh_of(head(seed, n_vertices=5000, identity_scale=0.7))
+        front = float(mesh.bounds[1, 2] + 50)
+        view = gbuffer(mesh, OrthographicCamera((0, -26, front), 222.0, (72, 66)))
+        images = render(view, lights, caster=mesh)
+        stacks.append(images / images.max(axis=(1, 2), keepdims=True))
+    return np.stack(stacks).astype(np.float32)
+
+
+def cropped(images):
+    return images[..., 12:60, 12:54]
+
+
+@pytest.fixture(scope="module")
+def gallery(faces):
+    known = cropped(faces[:, : len(KNOWN)]).reshape(-1, *SHAPE)
+    photographs = Photographs(np.repeat(np.arange(SUBJECTS), len(KNOWN)), known)
+    return Gallery(photographs, photographs.everywhere)
+
+
+def out_of_place(images, shift, turn, size, rng):
+    """Move pictures by so much in random directions, by OpenCV's own rotation."""
+    moved = []
+    for image in images:
+        angle = rng.uniform(0, 2 * np.pi)
+        matrix = cv2.getRotationMatrix2D((32.5, 35.5), rng.choice([-turn, turn]), 1 + size)
+        matrix[:, 2] += shift * np.cos(angle), shift * np.sin(angle)
+        moved.append(cropped(cv2.warpAffine(image, matrix, (66, 72))))
+    return np.stack(moved)
+
+
+@pytest.mark.parametrize(
+    ("shift", "turn", "size"),
+    [(0.04 * 42, 4, 0.05), (0.08 * 42, 0, 0)],
+    ids=["4 %, 4 degrees, 5 %", "8 %"],
+)
+def test_misframed_probes_lose_little(faces, gallery, shift, turn, size):
+    probes = faces[:, len(KNOWN) :].reshape(-1, *faces.shape[2:])
+    truth = np.repeat(np.arange(SUBJECTS), len(LIT))
+    moved = out_of_place(probes, shift, turn, size, np.random.default_rng(1))
+    rows = moved.reshape(len(moved), -1)
+    plain = SubjectClassifier.from_gallery(gallery, "local")
+    framed = SubjectClassifier.from_gallery(gallery, "framed+local")
+    straight = framed.score(cropped(probes).reshape(len(probes), -1), truth)
+    assert plain.score(rows, truth) < 0.9
+    # One probe of thirty: 3.4 %.
+    assert framed.score(rows, truth) >= straight - 0.034
+    distances, motions = framed.placed(rows)
+    assert np.array_equal(distances, framed.distances(rows))
+    assert np.mean([misframed(motion, SHAPE[0]) for motion in motions]) > 0.9
+
+
+def test_a_better_place_is_one_that_is_nearer(gallery, faces):
+    distance, inner = FramedDistance(), LocalDistance()
+    model, probes = inner.fit(gallery), cropped(faces[:, -1])
+    found, motions = distance.search(model, probes, gallery.mask)
+    assert (found.min(axis=1) <= inner.distances(model, probes, gallery.mask).min(axis=1)).all()
+    assert len(motions) == SUBJECTS
+
+
+def test_the_gallery_itself_is_not_searched(gallery):
+    framed = SubjectClassifier.from_gallery(gallery, "framed+local")
+    plain = SubjectClassifier.from_gallery(gallery, "local")
+    assert np.array_equal(framed.held_out_.distances, plain.held_out_.distances)
+    assert np.array_equal(framed.known_.distances, plain.known_.distances)
+    assert plain.placed(gallery.photographs.images[:1].reshape(1, -1))[1] is None
+
+
+def test_what_counts_as_misframed():
+    assert not misframed(Motion(), 48)
+    assert not misframed(Motion(1.0, -1.0, 1.5, 1.02), 48)
+    for motion in (Motion(2.0), Motion(down=-2.0), Motion(rotation=-3), Motion(scale=0.96)):
+        assert misframed(motion, 48)
+
+
+def test_harmonic_images_are_searched_too(gallery):
+    images = np.random.default_rng(0).random((SUBJECTS, 9, *SHAPE))
+    meshes = replace(gallery, harmonic=images)
+    found = SubjectClassifier.from_gallery(meshes, "framed+9d")
+    pictures, light = found.explained(gallery.photographs.images[:2], np.array([0, 1]))
+    assert pictures.shape == (2, *SHAPE)
+    assert light.shape == (2, 9)
