@@ -29,6 +29,7 @@ from harmface.reproduce.synthetic import light_of, mesh_of
 from harmface.sphere import fibonacci_directions
 from harmface.stereo import (
     angular_errors,
+    object_mask,
     photometric_stereo,
     without_bas_relief,
     without_linear_map,
@@ -38,6 +39,12 @@ SIZE = 128
 NOISE = 0.01
 FITTED = 4000
 """Pixels that the best maps to the truth are fitted to."""
+
+
+COLUMNS = [
+    "set", "images", "method", "error", "bas-relief", "linear", "median", "told", "rank corr.",
+    "cues believed", "s", "memory",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -63,34 +70,32 @@ def main() -> None:
     """Measure, print the table, and write it as JSON if asked."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--data", type=Path, help="folder of real sets")
-    parser.add_argument("--methods", default="refined", help="for the rendered sets, by commas")
+    parser.add_argument(
+        "--methods", default="refined", help="for the rendered sets, by commas; empty for none"
+    )
     parser.add_argument("--only", default="", help="sets whose names contain this")
     parser.add_argument("--json", type=Path, help="file to write the rows to")
+    parser.add_argument("--markdown", type=Path, help="file to write the table to")
     arguments = parser.parse_args()
-    rows = []
-    table = Table(
-        "set", "images", "method", "error", "bas-relief", "linear", "median", "told", "rank corr.",
-        "cues believed", "s", "memory",
-    )  # fmt: skip
-    for name, images, mask, saturated, truth in (
-        *rendered(arguments.only),
-        *real(arguments.data),
-    ):
-        if arguments.only not in name:
-            continue
-        methods = arguments.methods.split(",") if truth is not None and ":" in name else ["refined"]
-        for method in methods:
-            row = measured(name, images, mask, saturated, truth, method)
-            rows.append(row)
-            table.add_row(*(f"{v:.2f}" if isinstance(v, float) else str(v) for v in shown(row)))
+    methods = arguments.methods.split(",") if arguments.methods else []
+    made = rendered(arguments.only) if methods else iter(())
+    rows = [measured(*each, method) for each in made for method in methods]
+    rows += [measured(*each, "refined") for each in real(arguments.data, arguments.only)]
+    table = Table(*COLUMNS)
+    for row in rows:
+        table.add_row(*shown(row))
     Console(width=150).print(table)
+    if arguments.markdown is not None:
+        lines = [COLUMNS, ["---"] * len(COLUMNS), *(shown(row) for row in rows)]
+        arguments.markdown.write_text("".join(f"| {' | '.join(line)} |\n" for line in lines))
     if arguments.json is not None:
         arguments.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
 
 
-def shown(row: Row) -> list[object]:
+def shown(row: Row) -> list[str]:
     """Return the fields of a row that the table shows."""
-    return [value for name, value in asdict(row).items() if name != "pixels"]
+    values = [value for name, value in asdict(row).items() if name != "pixels"]
+    return [f"{value:.2f}" if isinstance(value, float) else str(value) for value in values]
 
 
 def measured(
@@ -98,7 +103,7 @@ def measured(
     images: np.ndarray,
     mask: np.ndarray | None,
     saturated: np.ndarray | None,
-    truth: np.ndarray | None,
+    truth: np.ndarray,
     method: str,
 ) -> Row:
     """Return a method's errors on a set, with time and memory (the stack is one)."""
@@ -111,33 +116,35 @@ def measured(
     tracemalloc.stop()
     believed = ", ".join(cue.name for cue in found.report.cues if cue.accepted)
     told = found.expected_error
-    errors = [np.nan] * 3
-    median, rank = np.nan, np.nan
-    if truth is not None:
-        true = np.linalg.norm(truth, axis=-1)
-        used = found.mask & (true > 0.5)
-        target = truth[used].astype(np.float64) / true[used, None]
-        normals = found.normals[used]
-        angles = angular_errors(normals, target)
-        some = slice(None, None, max(1, len(target) // FITTED))
-        errors = [
-            float(angular_errors(each, target[some]).mean())
-            for each in (
-                normals[some],
-                without_bas_relief(normals[some], target[some]),
-                without_linear_map(normals[some], target[some]),
-            )
-        ]
-        errors[0] = float(angles.mean())
-        median = float(np.median(angles))
-        rank = float(spearmanr(angles, told[used]).statistic)
+    true = np.linalg.norm(truth, axis=-1)
+    used = found.mask & (true > 0.5)
+    target = truth[used].astype(np.float64) / true[used, None]
+    normals = found.normals[used]
+    angles = angular_errors(normals, target)
+    some = slice(None, None, max(1, len(target) // FITTED))
+    after_bas_relief, after_linear_map = (
+        float(angular_errors(best(normals[some], target[some]), target[some]).mean())
+        for best in (without_bas_relief, without_linear_map)
+    )
+    rank = float(spearmanr(angles, told[used]).statistic)
     return Row(
-        name, len(images), int(found.mask.sum()), method, errors[0], errors[1], errors[2], median,
-        float(np.median(told[found.mask])), rank, believed, seconds, memory,
-    )  # fmt: skip
+        set=name,
+        images=len(images),
+        pixels=int(found.mask.sum()),
+        method=method,
+        error=float(angles.mean()),
+        after_bas_relief=after_bas_relief,
+        after_linear_map=after_linear_map,
+        median_error=float(np.median(angles)),
+        median_told=float(np.median(told[found.mask])),
+        rank_correlation=rank,
+        cues=believed,
+        seconds=seconds,
+        memory=memory,
+    )
 
 
-Set = tuple[str, np.ndarray, np.ndarray | None, np.ndarray | None, np.ndarray | None]
+Set = tuple[str, np.ndarray, np.ndarray | None, np.ndarray | None, np.ndarray]
 
 
 def rendered(only: str) -> Iterator[Set]:
@@ -174,29 +181,29 @@ def lit(view: GBuffer, rng: np.random.Generator) -> dict[str, np.ndarray]:
     return found
 
 
-def real(folder: Path | None) -> Iterator[Set]:
-    """Read the real sets below a folder: every one that holds photographs."""
+def real(folder: Path | None, only: str) -> Iterator[Set]:
+    """Read the real sets below a folder that are asked for, and whose truth or lamps are known."""
     if folder is None:
         return
-    places = sorted({path.parent for path in folder.rglob("*.png") if "truth" not in path.parts})
-    for place in places:
-        try:
-            capture = read_capture([place])
-        except ValueError as error:
-            Console(stderr=True).print(f"{place}: left out: {error}")
+    places = {path.parent for path in folder.rglob("*.png") if "truth" not in path.parts}
+    for place in sorted(places):
+        name = str(place.relative_to(folder))
+        if only not in name:
             continue
+        capture = read_capture([place])
+        mask = object_mask(capture.images) if capture.mask is None else capture.mask
         truth = next(
             (np.load(file) for file in sorted((place / "truth").glob("*normals.npy"))), None
         )
         if truth is None and capture.lights is not None:
             known = photometric_stereo(
-                capture.images, capture.mask, method="known-lights",
+                capture.images, mask, method="known-lights",
                 light=capture.lights, strengths=np.ones(len(capture.lights)),
                 saturated=capture.saturated,
             )  # fmt: skip
             truth = known.normals
-        name = str(place.relative_to(folder))
-        yield name, capture.images, capture.mask, capture.saturated, truth
+        if truth is not None:
+            yield name, capture.images, mask, capture.saturated, truth
 
 
 if __name__ == "__main__":
