@@ -116,9 +116,10 @@ def measured(
     tracemalloc.stop()
     believed = ", ".join(cue.name for cue in found.report.cues if cue.accepted)
     told = found.expected_error
+    truth = truth.astype(np.float64)  # scans come in half precision
     true = np.linalg.norm(truth, axis=-1)
     used = found.mask & (true > 0.5)
-    target = truth[used].astype(np.float64) / true[used, None]
+    target = truth[used] / true[used, None]
     normals = found.normals[used]
     angles = angular_errors(normals, target)
     some = slice(None, None, max(1, len(target) // FITTED))
