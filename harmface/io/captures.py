@@ -62,6 +62,7 @@ def read_capture(
     srgb: bool = False,
     mask: Path | None = None,
     lights: Path | None = None,
+    aside: Path | None = None,
     max_pixels: int = MAX_PIXELS,
     report: Callable[[float], None] = lambda done: None,
 ) -> Capture:
@@ -84,6 +85,8 @@ def read_capture(
     lights
         The lights' file, see `read_lights`; found in the folder, or the one that it lies in, if
         not given.
+    aside
+        A file among the photographs that is neither one of them nor the object's mask.
     max_pixels
         Largest photograph read; all together may have 16 times as many pixels.
     report
@@ -98,7 +101,10 @@ def read_capture(
     if folder is not None and (folder / "filenames.txt").exists():
         found = Sorted(_listed(folder), mask or _existing(folder, "mask.png"), ())
     else:
-        found = sort_photographs(paths if folder is None else photographs_in(folder), mask)
+        inside = paths if folder is None else photographs_in(folder)
+        if aside is not None:
+            inside = [path for path in inside if path.resolve() != aside.resolve()]
+        found = sort_photographs(inside, mask)
     files = found.photographs
     known, light_notes = _lights(files, folder, lights)
     intensities = _intensities(folder, known, len(files))

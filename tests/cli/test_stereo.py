@@ -10,6 +10,7 @@ from harmface.geometry import frame_orthographic, gbuffer
 from harmface.io import read_image, read_mesh, write_image
 from harmface.rendering import render
 from harmface.reproduce.synthetic import light_of, mesh_of
+from tests.unit.stereo.mirror_sphere import mirrored, pixels, rays
 
 COUNT = 24
 
@@ -122,6 +123,70 @@ def test_what_a_channel_clips_is_left_out(run, capture, tmp_path):
     assert "observations are saturated: expose less" in outcome.out
 
 
+def lamps_off(summary, lights):
+    found = np.array(summary["lamp_directions"])
+    return np.degrees(np.arccos(np.clip((found * lights).sum(axis=1), -1, 1))).max()
+
+
+@pytest.fixture
+def sphere(capture):
+    """Photographs of a mirror sphere under the lamps of the capture, and its mask."""
+    lights = np.loadtxt(capture / "light_directions.txt")
+    mask = pixels(rays()[0].astype(float)) > 0.5
+    return lights, np.clip(mirrored(lights), 0, 1), mask
+
+
+def test_a_mirror_sphere_tells_the_lamps(run, check_refused, capture, sphere, tmp_path):
+    lights, images, mask = sphere
+    (tmp_path / "chrome").mkdir()
+    for number, image in enumerate(images):
+        write_image(tmp_path / "chrome" / f"{number}.png", image, bits=8)
+    write_image(tmp_path / "chrome" / "mask.png", mask.astype(float), bits=8)
+    (capture / "light_directions.txt").unlink()
+    known = ("stereo", "ball", "--method", "known-lights", "--chrome-ball", "chrome")
+    outcome = run(*known, "--out", "surface")
+    assert outcome.code == 0
+    assert "note: the lamps are those that the mirror sphere shows, 40.0 pixels" in outcome.out
+    summary = json.loads((tmp_path / "surface" / "summary.json").read_text())
+    # Half a pixel of a sphere of 40 in radius.
+    assert lamps_off(summary, lights) < 1.5
+    assert summary["mean_angular_error_degrees"] < 0.5
+    write_image(tmp_path / "chrome" / "7.png", np.zeros(mask.shape), bits=8)
+    check_refused(r"7\.png: shows no highlight", *known, "--out", "none")
+    (tmp_path / "chrome" / "7.png").unlink()
+    check_refused("chrome: holds 23 photographs of the mirror sphere", *known, "--out", "few")
+
+
+def test_a_mirror_sphere_beside_the_object_tells_the_lamps(
+    run, check_refused, capture, sphere, tmp_path
+):
+    lights, images, mask = sphere
+    (tmp_path / "both").mkdir()
+    object_mask = read_image(capture / "mask.png")
+
+    def beside(left, right):
+        height = len(right)
+        padded = np.zeros((height, left.shape[1]))
+        padded[: len(left)] = left
+        return np.concatenate([padded, right], axis=1)
+
+    for number, image in enumerate(images):
+        both = beside(read_image(capture / f"{number:03d}.png"), image)
+        write_image(tmp_path / "both" / f"{number:03d}.png", both)
+    zeros = np.zeros(mask.shape)
+    write_image(tmp_path / "both" / "ball.png", beside(0 * object_mask, mask * 1.0), bits=8)
+    sphere_alone = ("stereo", "both", "--method", "known-lights")
+    sphere_alone += ("--chrome-ball-mask", "both/ball.png", "--out", "surface")
+    check_refused("needs the object's own mask", *sphere_alone)
+    write_image(tmp_path / "both" / "mask.png", beside(object_mask, zeros), bits=8)
+    outcome = run(*sphere_alone)
+    assert outcome.code == 0
+    summary = json.loads((tmp_path / "surface" / "summary.json").read_text())
+    assert summary["images"] == COUNT
+    # Half a pixel of a sphere of 40 in radius.
+    assert lamps_off(summary, lights) < 1.5
+
+
 @pytest.mark.usefixtures("unchecked")
 def test_bad_input_is_refused(capture, check_refused, tmp_path):
     stereo = ("stereo", "ball", "--out", "surface")
@@ -134,6 +199,10 @@ def test_bad_input_is_refused(capture, check_refused, tmp_path):
     (tmp_path / "mine" / "thesis.tex").write_text("precious")
     known = ("--method", "known-lights")
     check_refused("method must be one of", *stereo, "--method", "magic")
+    balls = ("--chrome-ball", "ball", "--chrome-ball-mask", "small.png")
+    check_refused("--chrome-ball and --chrome-ball-mask both", *stereo, *known, *balls)
+    check_refused("--chrome-ball-mask serves --method known-lights", *stereo, *balls[2:])
+    check_refused("small.png: has 4 x 4 pixels", *stereo, *known, *balls[2:])
     check_refused("gamma must be one of linear, srgb", *stereo, "--gamma", "2.2")
     check_refused("mesh-format must be one of ply, obj, glb", *stereo, "--mesh-format", "stl")
     check_refused("focal must be a positive number", *stereo, "--focal", "-3")
