@@ -25,6 +25,15 @@ class LampOptions:
             "file; else lights.txt in the folder or beside it."
         ),
     ] = None
+    near_lamps: Annotated[
+        bool,
+        typer.Option(
+            "--near-lamps",
+            help="The file of lights holds the lamps' positions, in units of the width of the "
+            "mask, from its middle, at the mean height of the surface: light falls with distance "
+            "and its direction changes over the object.",
+        ),
+    ] = False
     chrome_ball: Annotated[
         Path | None,
         typer.Option(
@@ -56,8 +65,11 @@ def check_lamp_options(options: LampOptions, method: str) -> None:
     ]
     if len(given) > 1:
         raise ArgumentError(f"{given[0]} and {given[1]} both tell the lamps; give one of them")
-    if given and given[0] != "--lights" and method != "known-lights":
-        raise ArgumentError(f"{given[0]} serves --method known-lights, got {method!r}")
+    if options.near_lamps and given and given[0] != "--lights":
+        raise ArgumentError(f"{given[0]} tells directions, but --near-lamps needs positions")
+    given += ["--near-lamps"] * options.near_lamps
+    if given and given[-1] != "--lights" and method != "known-lights":
+        raise ArgumentError(f"{given[-1]} serves --method known-lights, got {method!r}")
 
 
 def with_lamps(

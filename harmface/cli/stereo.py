@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from jaxtyping import Float
 
 from harmface.cli.common import MaxPixelsOption, output, pixel_limit, progress, told
 from harmface.cli.lamps import LampOptions, check_lamp_options, with_lamps
@@ -80,7 +81,8 @@ def stereo(
     names; colour is turned to luminance. What is clipped, at the largest code or at a common one
     below it, counts as not seen. Of the light's directions only known-lights
     makes use; where intensities are known the photographs are divided by them. A mirror sphere
-    (--chrome-ball, --chrome-ball-mask) tells the directions too.
+    (--chrome-ball, --chrome-ball-mask) tells the directions too; near lamps are given as positions
+    (--near-lamps).
 
     Example: harmface stereo photos/*.png --mask mask.png --method refined --out surface
     """
@@ -113,6 +115,7 @@ def stereo(
             srgb=gamma == "srgb",
             mask=mask,
             lights=lamps.lights,
+            positions=lamps.near_lamps,
             aside=lamps.chrome_ball_mask,
             max_pixels=pixel_limit(max_pixels),
             report=report,
@@ -141,7 +144,8 @@ def stereo(
             capture.images,
             seen,
             method=method,
-            light=capture.lights if known else None,
+            light=capture.lights if known and capture.distances is None else None,
+            positions=_positions(capture),
             strengths=capture.strengths if known else None,
             symmetric=symmetric,
             saturated=capture.saturated,
@@ -186,6 +190,13 @@ def stereo(
 def _require(option: str, value: str, choices: tuple[str, ...]) -> None:
     if value not in choices:
         raise ArgumentError(f"{option} must be one of {', '.join(choices)}, got {value!r}")
+
+
+def _positions(capture: "Capture") -> Float[np.ndarray, "F 3"] | None:
+    """Return the lamps' positions, if their directions came with distances."""
+    if capture.lights is None or capture.distances is None:
+        return None
+    return capture.lights * capture.distances[:, None]
 
 
 def _camera(focal: float, shape: tuple[int, ...]) -> "PerspectiveCamera":

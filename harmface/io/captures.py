@@ -38,6 +38,8 @@ class Capture:
         The object, if a mask came with it.
     lights
         Unit direction to the light of each photograph, if known.
+    distances
+        How far the lights are, in the unit of their file, if positions were asked for.
     strengths
         Of the lights in the images: 1 of each where these were divided by known intensities.
     truth
@@ -51,6 +53,7 @@ class Capture:
     saturated: Bool[np.ndarray, "F H W"]
     mask: Bool[np.ndarray, "H W"] | None
     lights: Float[np.ndarray, "F 3"] | None
+    distances: Float[np.ndarray, "F"] | None
     strengths: Float[np.ndarray, "F"] | None
     truth: Float[np.ndarray, "H W 3"] | None
     notes: tuple[str, ...]
@@ -62,6 +65,7 @@ def read_capture(
     srgb: bool = False,
     mask: Path | None = None,
     lights: Path | None = None,
+    positions: bool = False,
     aside: Path | None = None,
     max_pixels: int = MAX_PIXELS,
     report: Callable[[float], None] = lambda done: None,
@@ -85,6 +89,8 @@ def read_capture(
     lights
         The lights' file, see `read_lights`; found in the folder, or the one that it lies in, if
         not given.
+    positions
+        Whether the lights' file holds positions of lamps, not directions.
     aside
         A file among the photographs that is neither one of them nor the object's mask.
     max_pixels
@@ -106,7 +112,7 @@ def read_capture(
             inside = [path for path in inside if path.resolve() != aside.resolve()]
         found = sort_photographs(inside, mask)
     files = found.photographs
-    known, light_notes = _lights(files, folder, lights)
+    known, light_notes = _lights(files, folder, lights, positions)
     intensities = _intensities(folder, known, len(files))
     images, saturated, notes = _stack(files, intensities, srgb, max_pixels, report)
     mask_image = None
@@ -121,6 +127,7 @@ def read_capture(
         saturated,
         mask_image,
         None if known is None else known.directions,
+        known.distances if known is not None and positions else None,
         None if intensities is None else np.ones(len(files)),
         None if truth is None else _matlab_normals(truth, images.shape[1:]),
         (*found.notes, *light_notes, *notes, *_encoding_notes(files, srgb)),
@@ -158,21 +165,25 @@ def _listed(folder: Path) -> list[Path]:
 
 
 def _lights(
-    files: list[Path], folder: Path | None, given: Path | None
+    files: list[Path], folder: Path | None, given: Path | None, positions: bool
 ) -> tuple[Lights | None, tuple[str, ...]]:
     """Return the lights of photographs, and what to know of how they were found."""
     names = [path.name for path in files]
     path = given or (None if folder is None else light_file_of(folder))
     if path is None:
+        if positions:
+            raise FileError(f"{files[0].parent}: holds no file of lamps' positions; give --lights")
         known = _named_lights(files)
         return known, () if known is None else known.notes
     if given is not None or path.parent == folder:
-        known = read_lights(path, len(files), names)
+        known = read_lights(path, len(files), names, positions=positions)
         return known, known.notes
     # What lies one folder up may belong to other photographs.
     try:
-        known = read_lights(path, len(files), names)
+        known = read_lights(path, len(files), names, positions=positions)
     except FileError as error:
+        if positions:
+            raise
         return _named_lights(files), (f"lights beside the folder are not used: {error}",)
     return known, (f"the lights are those of {path}", *known.notes)
 
@@ -180,7 +191,11 @@ def _lights(
 def _named_lights(files: list[Path]) -> Lights | None:
     """Return the lights that names of the Extended Yale B database tell."""
     directions = [light for path in files if (light := yale_light(path.name)) is not None]
-    return Lights(np.array(directions), None) if len(directions) == len(files) else None
+    return (
+        Lights(np.array(directions), np.ones(len(files)), None)
+        if len(directions) == len(files)
+        else None
+    )
 
 
 def _intensities(

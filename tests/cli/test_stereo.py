@@ -11,6 +11,7 @@ from harmface.io import read_image, read_mesh, write_image
 from harmface.rendering import render
 from harmface.reproduce.synthetic import light_of, mesh_of
 from tests.unit.stereo.mirror_sphere import mirrored, pixels, rays
+from tests.unit.stereo.near_scene import LAMPS, lamps_around, relief
 
 COUNT = 24
 
@@ -185,6 +186,33 @@ def test_a_mirror_sphere_beside_the_object_tells_the_lamps(
     assert summary["images"] == COUNT
     # Half a pixel of a sphere of 40 in radius.
     assert lamps_off(summary, lights) < 1.5
+
+
+def test_near_lamps_are_given_as_positions(run, check_refused, tmp_path, rng):
+    scene, positions = relief(), lamps_around()
+    images = scene.photographs(positions, np.ones(LAMPS), rng, noise=0)
+    (tmp_path / "photos").mkdir()
+    for number, image in enumerate(images):
+        write_image(tmp_path / "photos" / f"{number}.png", image / images.max())
+    write_image(tmp_path / "photos" / "mask.png", scene.mask.astype(float), bits=8)
+    near = ("stereo", "photos", "--method", "known-lights", "--near-lamps")
+    check_refused("photos: holds no file of lamps' positions", *near, "--out", "none")
+    np.savetxt(tmp_path / "lights.txt", positions)
+    assert run(*near, "--out", "near").code == 0
+    normals = np.load(tmp_path / "near" / "normals.npy")
+    error = np.degrees(np.arccos(np.clip((normals[scene.mask] * scene.normals).sum(1), -1, 1)))
+    assert error.mean() < 0.3
+    summary = json.loads((tmp_path / "near" / "summary.json").read_text())
+    assert summary["light_model"] == "near points"
+    # Positions are never guessed from lengths.
+    distant = run("stereo", "photos", "--method", "known-lights", "--out", "distant")
+    assert "which are not used; give intensities as a fourth number, or say that" in distant.out
+    normals = np.load(tmp_path / "distant" / "normals.npy")
+    assert np.abs((normals[scene.mask] * scene.normals).sum(1)).mean() < np.cos(np.radians(10))
+    ball = ("--chrome-ball", "photos", "--out", "none")
+    check_refused("tells directions, but --near-lamps needs positions", *near, *ball)
+    refined = ("stereo", "photos", "--near-lamps", "--out", "none")
+    check_refused("--near-lamps serves --method known-lights", *refined)
 
 
 @pytest.mark.usefixtures("unchecked")
