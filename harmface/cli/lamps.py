@@ -34,6 +34,14 @@ class LampOptions:
             "and its direction changes over the object.",
         ),
     ] = False
+    coloured_lamps: Annotated[
+        bool,
+        typer.Option(
+            "--coloured-lamps",
+            help="A red, a green and a blue lamp shone at once on an object of one colour: the "
+            "channels of each photograph count as three, each with a line of the file of lights.",
+        ),
+    ] = False
     chrome_ball: Annotated[
         Path | None,
         typer.Option(
@@ -87,7 +95,12 @@ def with_lamps(
     from harmface.stereo import directions_from_mirror_sphere, object_mask
 
     if options.chrome_ball is not None:
-        ball = read_capture([options.chrome_ball], srgb=srgb, max_pixels=max_pixels)
+        ball = read_capture(
+            [options.chrome_ball],
+            srgb=srgb,
+            coloured=options.coloured_lamps,
+            max_pixels=max_pixels,
+        )
         if len(ball.names) != len(capture.names):
             raise FileError(
                 f"{options.chrome_ball}: holds {len(ball.names)} photographs of the mirror sphere, "

@@ -78,11 +78,11 @@ def stereo(
     """Recover normals, albedo and depth from photographs under unknown or known light.
 
     Photographs are PNG, TIFF, PGM, TGA, JPEG, BMP or WebP, in the order of the numbers in their
-    names; colour is turned to luminance. What is clipped, at the largest code or at a common one
-    below it, counts as not seen. Of the light's directions only known-lights
-    makes use; where intensities are known the photographs are divided by them. A mirror sphere
-    (--chrome-ball, --chrome-ball-mask) tells the directions too; near lamps are given as positions
-    (--near-lamps).
+    names; colour is turned to luminance (but see --coloured-lamps). What is clipped, at the largest
+    code or at a common one below it, counts as not seen. Of the light's directions only
+    known-lights makes use; where intensities are known the photographs are divided by them. A
+    mirror sphere (--chrome-ball, --chrome-ball-mask) tells the directions too; near lamps are given
+    as positions (--near-lamps).
 
     Example: harmface stereo photos/*.png --mask mask.png --method refined --out surface
     """
@@ -116,6 +116,7 @@ def stereo(
             mask=mask,
             lights=lamps.lights,
             positions=lamps.near_lamps,
+            coloured=lamps.coloured_lamps,
             aside=lamps.chrome_ball_mask,
             max_pixels=pixel_limit(max_pixels),
             report=report,

@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 import pytest
-from scipy.io import savemat
+from scipy.io import loadmat, savemat
 
 from data_synth.lightings import uniform_directional
 from data_synth.shapes import bumpy_sphere
@@ -213,6 +213,32 @@ def test_near_lamps_are_given_as_positions(run, check_refused, tmp_path, rng):
     check_refused("tells directions, but --near-lamps needs positions", *near, *ball)
     refined = ("stereo", "photos", "--near-lamps", "--out", "none")
     check_refused("--near-lamps serves --method known-lights", *refined)
+
+
+@pytest.mark.parametrize("photographs", [1, 4])
+def test_lamps_of_three_colours_shine_at_once(run, capture, tmp_path, photographs):
+    lights = np.loadtxt(capture / "light_directions.txt")[: 3 * photographs]
+    # The first three are within 60 degrees of the axis, but a surface in shadow has no normal.
+    lights[:, 2] += 1
+    lights /= np.linalg.norm(lights, axis=1, keepdims=True)
+    truth, mask = loadmat(capture / "Normal_gt.mat")["Normal_gt"], read_image(capture / "mask.png")
+    images = np.maximum(np.tensordot(lights, truth, (1, 2)), 0)
+    (tmp_path / "colour").mkdir()
+    for number in range(photographs):
+        channels = np.moveaxis(images[3 * number : 3 * number + 3], 0, -1)
+        write_image(tmp_path / "colour" / f"{number}.png", channels)
+    write_image(tmp_path / "colour" / "mask.png", mask, bits=8)
+    np.savetxt(tmp_path / "colour" / "lights.txt", lights)
+    outcome = run(
+        *("stereo", "colour", "--method", "known-lights", "--coloured-lamps", "--out", "surface")
+    )
+    assert outcome.code == 0
+    normals = np.load(tmp_path / "surface" / "normals.npy")
+    lit = (np.tensordot(lights, truth, (1, 2)) > 0.05).sum(axis=0) >= 3
+    lit &= mask > 0.5
+    assert lit.sum() > 0.7 * (mask > 0.5).sum()
+    error = np.degrees(np.arccos(np.clip((normals[lit] * truth[lit]).sum(axis=-1), -1, 1)))
+    assert error.mean() < 0.2
 
 
 @pytest.mark.usefixtures("unchecked")
