@@ -12,6 +12,7 @@ from harmface.conventions import luminance
 from harmface.errors import FileError
 from harmface.io.clipping import Clipping
 from harmface.io.files import MAX_TEXT, excerpt, is_file_name, read_bytes
+from harmface.io.hot_pixels import without_hot_pixels
 from harmface.io.images import read_image
 from harmface.io.light_files import Lights, read_lights
 from harmface.io.matlab import read_matlab
@@ -277,6 +278,12 @@ def _stack(
             f"the photographs are clipped at {' and '.join(dict.fromkeys(found))}"
             + ("" if full is None else f", below the largest code of their files, {full:g}")
             + f": {saturated.mean():.1%} of the observations are taken as saturated"
+        )
+    stack, hot = without_hot_pixels(stack)
+    if hot:
+        notes.append(
+            f"{hot} hot pixels, each far brighter than its neighbours in one photograph alone, "
+            "have the median of these"
         )
     return stack, saturated, notes
 
