@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from jaxtyping import Float
 
 from harmface.cli.common import MaxPixelsOption, output, pixel_limit, progress, told
+from harmface.cli.lamps import LampOptions, check_lamp_options, with_lamps
+from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
 METHODS = ("4d", "9d", "refined", "known-lights")
 
 
+@with_options("lamps", LampOptions)
 def stereo(
     images: Annotated[
         list[Path],
@@ -42,14 +46,6 @@ def stereo(
             "known-lights."
         ),
     ] = "refined",
-    lights: Annotated[
-        Path | None,
-        typer.Option(
-            help="Text or .npy file, a line an image: x y z to the light (x right, y up, z towards "
-            "the camera) and, if known, its intensity, which is estimated otherwise; or an .lp "
-            "file; else lights.txt in the folder or beside it."
-        ),
-    ] = None,
     gamma: Annotated[
         str, typer.Option(help="How the photographs are encoded: linear or srgb.")
     ] = "linear",
@@ -76,13 +72,17 @@ def stereo(
         typer.Option(help="ply or glb (albedo as vertex colours), or obj (albedo as texture)."),
     ] = "ply",
     max_pixels: MaxPixelsOption = None,
+    *,
+    lamps: LampOptions,
 ) -> None:
     """Recover normals, albedo and depth from photographs under unknown or known light.
 
     Photographs are PNG, TIFF, PGM, TGA, JPEG, BMP or WebP, in the order of the numbers in their
-    names; colour is turned to luminance. What is clipped, at the largest code or at a common one
-    below it, counts as not seen. Of the light's directions only known-lights
-    makes use; where intensities are known the photographs are divided by them.
+    names; colour is turned to luminance (but see --coloured-lamps). What is clipped, at the largest
+    code or at a common one below it, counts as not seen. Of the light's directions only
+    known-lights makes use; where intensities are known the photographs are divided by them. A
+    mirror sphere (--chrome-ball, --chrome-ball-mask) tells the directions too; near lamps are given
+    as positions (--near-lamps).
 
     Example: harmface stereo photos/*.png --mask mask.png --method refined --out surface
     """
@@ -97,11 +97,13 @@ def stereo(
         write_surface,
     )
     from harmface.stereo import object_mask, photometric_stereo
+    from harmface.stereo.homogeneous import directions_of
     from harmface.viz import stereo_figure, write_figure
 
     _require("--method", method, METHODS)
     _require("--gamma", gamma, ("linear", "srgb"))
     _require("--mesh-format", mesh_format, tuple(MESH_FILES))
+    check_lamp_options(lamps, method)
     if focal is not None and not 0 < focal < np.inf:
         raise ArgumentError(f"--focal must be a positive number of pixels, got {focal}")
     names = [*surface_files(mesh_format), "figure.png", "summary.json"]
@@ -112,14 +114,21 @@ def stereo(
             images,
             srgb=gamma == "srgb",
             mask=mask,
-            lights=lights,
+            lights=lamps.lights,
+            positions=lamps.near_lamps,
+            coloured=lamps.coloured_lamps,
+            aside=lamps.chrome_ball_mask,
             max_pixels=pixel_limit(max_pixels),
             report=report,
+        )
+        capture = with_lamps(
+            capture, lamps, srgb=gamma == "srgb", max_pixels=pixel_limit(max_pixels)
         )
     known = method == "known-lights"
     if known and capture.lights is None:
         raise ArgumentError(
-            "--method known-lights needs --lights, or photographs whose names or folder tell them"
+            "--method known-lights needs --lights, a mirror sphere (--chrome-ball), or photographs "
+            "whose names or folder tell the lights"
         )
     notes = list(capture.notes)
     seen = capture.mask
@@ -136,7 +145,8 @@ def stereo(
             capture.images,
             seen,
             method=method,
-            light=capture.lights if known else None,
+            light=capture.lights if known and capture.distances is None else None,
+            positions=_positions(capture),
             strengths=capture.strengths if known else None,
             symmetric=symmetric,
             saturated=capture.saturated,
@@ -157,6 +167,7 @@ def stereo(
         "median_expected_error_degrees": float(np.median(found.expected_error[found.mask])),
         **asdict(found.report),
         **_errors(capture, found),
+        "lamp_directions": None if found.lamps is None else directions_of(found.lamps).tolist(),
         "photographs": capture.names,
         "notes": notes,
     }
@@ -180,6 +191,13 @@ def stereo(
 def _require(option: str, value: str, choices: tuple[str, ...]) -> None:
     if value not in choices:
         raise ArgumentError(f"{option} must be one of {', '.join(choices)}, got {value!r}")
+
+
+def _positions(capture: "Capture") -> Float[np.ndarray, "F 3"] | None:
+    """Return the lamps' positions, if their directions came with distances."""
+    if capture.lights is None or capture.distances is None:
+        return None
+    return capture.lights * capture.distances[:, None]
 
 
 def _camera(focal: float, shape: tuple[int, ...]) -> "PerspectiveCamera":

@@ -12,6 +12,7 @@ from harmface.conventions import luminance
 from harmface.errors import FileError
 from harmface.io.clipping import Clipping
 from harmface.io.files import MAX_TEXT, excerpt, is_file_name, read_bytes
+from harmface.io.hot_pixels import without_hot_pixels
 from harmface.io.images import read_image
 from harmface.io.light_files import Lights, read_lights
 from harmface.io.matlab import read_matlab
@@ -19,6 +20,8 @@ from harmface.io.photo_folders import Sorted, light_file_of, photographs_in, sor
 from harmface.io.photo_sets import yale_light
 from harmface.io.pictures import MAX_PIXELS, check_total, read_picture
 from harmface.io.tables import read_table
+
+CHANNELS = ("red", "green", "blue")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +41,8 @@ class Capture:
         The object, if a mask came with it.
     lights
         Unit direction to the light of each photograph, if known.
+    distances
+        How far the lights are, in the unit of their file, if positions were asked for.
     strengths
         Of the lights in the images: 1 of each where these were divided by known intensities.
     truth
@@ -51,6 +56,7 @@ class Capture:
     saturated: Bool[np.ndarray, "F H W"]
     mask: Bool[np.ndarray, "H W"] | None
     lights: Float[np.ndarray, "F 3"] | None
+    distances: Float[np.ndarray, "F"] | None
     strengths: Float[np.ndarray, "F"] | None
     truth: Float[np.ndarray, "H W 3"] | None
     notes: tuple[str, ...]
@@ -62,6 +68,9 @@ def read_capture(
     srgb: bool = False,
     mask: Path | None = None,
     lights: Path | None = None,
+    positions: bool = False,
+    coloured: bool = False,
+    aside: Path | None = None,
     max_pixels: int = MAX_PIXELS,
     report: Callable[[float], None] = lambda done: None,
 ) -> Capture:
@@ -84,6 +93,13 @@ def read_capture(
     lights
         The lights' file, see `read_lights`; found in the folder, or the one that it lies in, if
         not given.
+    positions
+        Whether the lights' file holds positions of lamps, not directions.
+    coloured
+        Whether lamps of three colours shone at once: each channel of a photograph, red, green and
+        blue in this order, counts as a photograph under a lamp of its own, with a light of its own.
+    aside
+        A file among the photographs that is neither one of them nor the object's mask.
     max_pixels
         Largest photograph read; all together may have 16 times as many pixels.
     report
@@ -98,11 +114,17 @@ def read_capture(
     if folder is not None and (folder / "filenames.txt").exists():
         found = Sorted(_listed(folder), mask or _existing(folder, "mask.png"), ())
     else:
-        found = sort_photographs(paths if folder is None else photographs_in(folder), mask)
+        inside = paths if folder is None else photographs_in(folder)
+        if aside is not None:
+            inside = [path for path in inside if path.resolve() != aside.resolve()]
+        found = sort_photographs(inside, mask)
     files = found.photographs
-    known, light_notes = _lights(files, folder, lights)
-    intensities = _intensities(folder, known, len(files))
-    images, saturated, notes = _stack(files, intensities, srgb, max_pixels, report)
+    names = [path.name for path in files]
+    if coloured:
+        names = [f"{name} {channel}" for name in names for channel in CHANNELS]
+    known, light_notes = _lights(files, len(names), folder, lights, positions)
+    intensities = _intensities(folder, known, len(names))
+    images, saturated, notes = _stack(files, intensities, srgb, coloured, max_pixels, report)
     mask_image = None
     if found.mask is not None:
         mask_image = read_mask(found.mask)
@@ -110,12 +132,13 @@ def read_capture(
             raise _other_size(found.mask, mask_image, files[0], images[0])
     truth = None if folder is None else _existing(folder, "Normal_gt.mat")
     return Capture(
-        tuple(path.name for path in files),
+        tuple(names),
         images,
         saturated,
         mask_image,
         None if known is None else known.directions,
-        None if intensities is None else np.ones(len(files)),
+        known.distances if known is not None and positions else None,
+        None if intensities is None else np.ones(len(names)),
         None if truth is None else _matlab_normals(truth, images.shape[1:]),
         (*found.notes, *light_notes, *notes, *_encoding_notes(files, srgb)),
     )
@@ -154,21 +177,26 @@ def _listed(folder: Path) -> list[Path]:
 
 
 def _lights(
-    files: list[Path], folder: Path | None, given: Path | None
+    files: list[Path], count: int, folder: Path | None, given: Path | None, positions: bool
 ) -> tuple[Lights | None, tuple[str, ...]]:
     """Return the lights of photographs, and what to know of how they were found."""
-    names = [path.name for path in files]
+    # A file that names photographs does not name their channels.
+    names = [path.name for path in files] if count == len(files) else []
     path = given or (None if folder is None else light_file_of(folder))
     if path is None:
-        known = _named_lights(files)
+        if positions:
+            raise FileError(f"{files[0].parent}: holds no file of lamps' positions; give --lights")
+        known = _named_lights(files) if count == len(files) else None
         return known, () if known is None else known.notes
     if given is not None or path.parent == folder:
-        known = read_lights(path, len(files), names)
+        known = read_lights(path, count, names, positions=positions)
         return known, known.notes
     # What lies one folder up may belong to other photographs.
     try:
-        known = read_lights(path, len(files), names)
+        known = read_lights(path, count, names, positions=positions)
     except FileError as error:
+        if positions:
+            raise
         return _named_lights(files), (f"lights beside the folder are not used: {error}",)
     return known, (f"the lights are those of {path}", *known.notes)
 
@@ -176,7 +204,11 @@ def _lights(
 def _named_lights(files: list[Path]) -> Lights | None:
     """Return the lights that names of the Extended Yale B database tell."""
     directions = [light for path in files if (light := yale_light(path.name)) is not None]
-    return Lights(np.array(directions), None) if len(directions) == len(files) else None
+    return (
+        Lights(np.array(directions), np.ones(len(files)), None)
+        if len(directions) == len(files)
+        else None
+    )
 
 
 def _intensities(
@@ -200,41 +232,60 @@ def _stack(
     files: list[Path],
     intensities: Float[np.ndarray, "F channels"] | None,
     srgb: bool,
+    coloured: bool,
     max_pixels: int,
     report: Callable[[float], None],
 ) -> tuple[Float[np.ndarray, "F H W"], Bool[np.ndarray, "F H W"], list[str]]:
     """Return the photographs in one channel, which observations are saturated, and notes."""
     first = read_picture(files[0], max_pixels).codes
-    check_total(files[0], len(files), first.shape, max_pixels)
-    stack = np.empty((len(files), *first.shape[:2]), np.float32)
+    count = len(files) * (len(CHANNELS) if coloured else 1)
+    check_total(files[0], count, first.shape, max_pixels)
+    stack = np.empty((count, *first.shape[:2]), np.float32)
     saturated = np.empty(stack.shape, bool)
     marks = np.empty(stack.shape, np.uint8)
     clipping = Clipping()
     notes: list[str] = []
     full: float | None = None
-    for number, path in enumerate(files):
+    number = 0
+    for path in files:
         picture = read_picture(path, max_pixels)
         image, codes = picture.values(srgb), picture.codes
         if image.shape[:2] != stack.shape[1:]:
             raise _other_size(path, image, files[0], stack[0])
         full = None if codes.dtype.kind == "f" else float(np.iinfo(codes.dtype).max)
-        at_full = codes == full
-        if 0 < at_full.mean() < 1 and (at_full | (codes == 0)).all():
-            raise FileError(f"{path}: is black and white only; if it is a mask, give it as --mask")
-        saturated[number] = at_full if image.ndim == 2 else at_full.any(axis=-1)
-        marks[number] = clipping.add(codes)
-        stack[number] = _one_channel(image, None if intensities is None else intensities[number])
+        if coloured and image.shape[2:] != (len(CHANNELS),):
+            raise FileError(f"{path}: is grey, but lamps of three colours need colour photographs")
+        parts = [(image, codes)]
+        if coloured:
+            parts = [(image[..., c], codes[..., c]) for c in range(len(CHANNELS))]
+        for values, part in parts:
+            at_full = part == full
+            if 0 < at_full.mean() < 1 and (at_full | (part == 0)).all():
+                raise FileError(
+                    f"{path}: is black and white only; if it is a mask, give it as --mask"
+                )
+            saturated[number] = at_full if part.ndim == 2 else at_full.any(axis=-1)
+            marks[number] = clipping.add(part)
+            intensity = None if intensities is None else intensities[number]
+            stack[number] = _one_channel(values, intensity)
+            number += 1
         notes += picture.notes
-        report((number + 1) / len(files))
+        report(number / count)
     levels = clipping.levels(full)
     found = [f"{level:g}" for level in levels if level is not None]
     if found:
-        for number in range(len(files)):
+        for number in range(count):
             saturated[number] |= clipping.clipped(number, marks[number], levels)
         notes.append(
             f"the photographs are clipped at {' and '.join(dict.fromkeys(found))}"
             + ("" if full is None else f", below the largest code of their files, {full:g}")
             + f": {saturated.mean():.1%} of the observations are taken as saturated"
+        )
+    stack, hot = without_hot_pixels(stack)
+    if hot:
+        notes.append(
+            f"{hot} hot pixels, each far brighter than its neighbours in one photograph alone, "
+            "have the median of these"
         )
     return stack, saturated, notes
 

@@ -23,12 +23,14 @@ _AXES, _ANGLES, _INTENSITY = ("x", "y", "z"), ("azimuth", "elevation"), "intensi
 
 @dataclass(frozen=True, eq=False)
 class Lights:
-    """One distant light for each image.
+    """One light for each image.
 
     Parameters
     ----------
     directions
         Unit vectors from the object to the light.
+    distances
+        Lengths that the file gave them: how far the lights are, if it holds positions.
     intensities
         Of each light, if the file gave them.
     notes
@@ -36,6 +38,7 @@ class Lights:
     """
 
     directions: Float[np.ndarray, "F 3"]
+    distances: Float[np.ndarray, "F"]
     intensities: Float[np.ndarray, "F"] | None
     notes: tuple[str, ...] = ()
 
@@ -68,7 +71,9 @@ class _Reading:
         return bool((self.vectors[:, 2] > 0).all())
 
 
-def read_lights(path: Path | str, count: int, names: Sequence[str] = ()) -> Lights:
+def read_lights(
+    path: Path | str, count: int, names: Sequence[str] = (), *, positions: bool = False
+) -> Lights:
     """Read light directions: x y z a line, one line for each image in its order.
 
     Directions point from the object to the light, x right, y up, z towards the camera, and are
@@ -89,6 +94,8 @@ def read_lights(path: Path | str, count: int, names: Sequence[str] = ()) -> Ligh
         How many images there are.
     names
         Their file names, to find them in a file that names them.
+    positions
+        Whether x y z are places of lamps, whose lengths mean something.
 
     Raises
     ------
@@ -100,6 +107,8 @@ def read_lights(path: Path | str, count: int, names: Sequence[str] = ()) -> Ligh
     table = read_table(path)
     notes = []
     reading = _named(path, table, count) if table.columns else _likeliest(path, table, count)
+    if positions and table.columns is not None and _AXES[0] not in table.columns:
+        raise FileError(f"{path}: holds angles, but positions of lamps are needed: x y z")
     vectors, intensities = reading.scaled, reading.intensities
     lengths = reading.lengths
     if not lengths.all():
@@ -112,10 +121,16 @@ def read_lights(path: Path | str, count: int, names: Sequence[str] = ()) -> Ligh
         )
     if intensities is not None and not (intensities > 0).all():
         raise FileError(f"{path}: holds an intensity that is not positive; leave out that image")
-    if np.ptp(lengths) > UNEQUAL * lengths.max():
+    if not positions and np.ptp(lengths) > UNEQUAL * lengths.max():
         notes.append(
             f"{Path(path).name}: directions have lengths of {lengths.min():.3g} to "
-            f"{lengths.max():.3g}, which are not used; give intensities as a fourth number"
+            f"{lengths.max():.3g}, which are not used; give intensities as a fourth number, or say "
+            "that they are positions (--near-lamps)"
+        )
+    if positions and reading.unit:
+        notes.append(
+            f"{Path(path).name}: all lamps are taken to be one object's width away; if these are "
+            "directions only, leave out --near-lamps"
         )
     if reading.how:
         notes.append(f"{Path(path).name}: {reading.how}")
@@ -123,8 +138,9 @@ def read_lights(path: Path | str, count: int, names: Sequence[str] = ()) -> Ligh
     if table.rows is not None and names:
         order = _order(path, table.rows, names)
         directions = directions[order]
+        lengths = lengths[order]
         intensities = None if intensities is None else intensities[order]
-    return Lights(directions, intensities, tuple(notes))
+    return Lights(directions, lengths, intensities, tuple(notes))
 
 
 def _named(path: Path | str, table: Table, count: int) -> _Reading:

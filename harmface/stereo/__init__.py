@@ -1,5 +1,6 @@
 """Photometric stereo: surface and albedo from photographs under known or unknown light."""
 
+from harmface.stereo.chrome_ball import MirrorSphere, directions_from_mirror_sphere
 from harmface.stereo.evaluation import (
     AngularError,
     angular_errors,
@@ -27,11 +28,13 @@ __all__ = [
     "Belief",
     "Factorization",
     "ImageStack",
+    "MirrorSphere",
     "NullCone",
     "RobustFactorization",
     "StereoReport",
     "StereoResult",
     "angular_errors",
+    "directions_from_mirror_sphere",
     "factorize",
     "factorize_robustly",
     "fit_null_cone",

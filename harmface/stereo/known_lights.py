@@ -25,6 +25,14 @@ JUDGED = 6
 """Observations of a pixel from which outliers among them can be told: twice the unknowns. With
 fewer a robust fit goes through three of them, and would take the noise to be none."""
 
+UNKNOWNS = 3
+"""Components of a scaled normal."""
+
+EQUAL = "three images do not tell the lamps' strengths: taken as equal"
+
+MANY = 0.01
+"""Share of the pixels of which too little is known that is worth a word."""
+
 
 def normals_from_directions(
     values: Float[np.ndarray, "F p"],
@@ -149,6 +157,16 @@ def normals_from_coefficients(
     linear = weighted_solve(coefficients[:, :4], weights, values)
     start = np.stack([linear[3], linear[1], linear[2]], axis=1)
     return fit_normals(values, model, coefficients, start, weights=weights)
+
+
+def few_seen(few: Bool[np.ndarray, "p"]) -> tuple[str, ...]:
+    """Return what to say of pixels with fewer than three observations to go by."""
+    if few.mean() <= MANY:
+        return ()
+    return (
+        f"{few.mean():.0%} of the pixels are seen in fewer than three photographs, neither "
+        "dark nor saturated: their normals are guesses",
+    )
 
 
 def require_light_for_each(name: str, lights: int, images: int) -> None:

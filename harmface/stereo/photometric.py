@@ -15,32 +15,21 @@ from jaxtyping import Bool, Float, Int
 from threadpoolctl import threadpool_limits
 
 from harmface import checks
-from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
 from harmface.stereo.advice import doubts, relative_strengths
+from harmface.stereo.distant_light import under_distant_light
 from harmface.stereo.encoding import looks_gamma_encoded
-from harmface.stereo.factorization import chunks, factorize, interleaved
-from harmface.stereo.gauge import Belief
-from harmface.stereo.homogeneous import directions_of, scaled_normal_images
+from harmface.stereo.factorization import chunks, factorize
+from harmface.stereo.homogeneous import scaled_normal_images
 from harmface.stereo.known_lights import (
-    normals_from_coefficients,
-    normals_from_directions,
-    normals_from_few,
-    require_light_for_each,
-    robust_weights,
+    MANY,
 )
-from harmface.stereo.lamp_strengths import strengths_of
-from harmface.stereo.light_models import HarmonicLight, LightModel, is_single
+from harmface.stereo.near_lamps import under_near_lamps
 from harmface.stereo.result import Recovered, StereoReport, StereoResult
-from harmface.stereo.single_sources import SINGLE
 from harmface.stereo.stack import ImageStack, image_stack
-from harmface.stereo.surface import of_one_surface
 from harmface.stereo.uncertainty import (
     MapError,
-    beside_neighbours,
     confidence_of,
-    noise_error,
-    smoothed_noise,
 )
 from harmface.stereo.unknown_light import harmonic, harmonic_light, refined
 
@@ -52,14 +41,8 @@ ENCODED = (
     "undone; decode them first"
 )
 
-MANY = 0.01
-"""Share of observations or pixels of which too little is known that is worth a word."""
-
 MOST_KNOWN = 300
 """Known normals that are looked at: they decide a dozen numbers."""
-
-UNKNOWNS = 3
-"""Components of a scaled normal."""
 
 
 def photometric_stereo(
@@ -68,6 +51,7 @@ def photometric_stereo(
     *,
     method: str = "refined",
     light: Float[np.ndarray, "F q"] | None = None,
+    positions: Float[np.ndarray, "F 3"] | None = None,
     strengths: Float[np.ndarray, "F"] | None = None,
     normals_known: Float[np.ndarray, "H W 3"] | None = None,
     symmetric: bool = False,
@@ -92,12 +76,17 @@ def photometric_stereo(
     method
         "refined": physical light and every pixel, shadows and highlights left out. "4d" and "9d":
         the closed forms of degree 1 and 2, for matte objects under general light.
-        "known-lights": with `light`.
+        "known-lights": with `light` or `positions`.
     light
         Of "known-lights": `(F, 3)` unit directions to the lamps, or `(F, K)` harmonic coefficients
         of radiance, K = 4, 9, ...
+    positions
+        Of "known-lights", for lamps so near that their light changes over the object: x right, y
+        up, z towards the camera, in units of the width of the mask, from the middle of its bounding
+        box, at the mean height of the surface. See `near_lamps`.
     strengths
-        Irradiance by each lamp on a surface that faces it; estimated if directions alone are known.
+        Irradiance by each lamp on a surface that faces it in the object's middle; estimated if
+        directions or positions alone are known.
     normals_known
         For "refined": normals measured at a few pixels, zero vectors elsewhere. Of more than 300,
         so many are used, spread over all.
@@ -127,14 +116,18 @@ def photometric_stereo(
         On an unknown method, arguments that it cannot use, too few images, images alike, an empty
         mask, NaN, light of the wrong number, or if everything is saturated.
     """
-    _check_method(method, light, strengths, normals_known, symmetric, smoothness)
+    _check_method(method, light, positions, strengths, normals_known, symmetric, smoothness)
     rng = checks.generator(rng)
     stack = image_stack(images, mask, minimum=FEWEST_IMAGES[method], saturated=saturated)
     stack = replace(stack, values=stack.values.astype(np.float64, copy=False))
     # Thousands of small products: more than one thread slows them by a third.
     with threadpool_limits(1, user_api="blas"):
-        if light is not None:
-            found = _under_known_light(stack, light, strengths, smoothness, progress)
+        if strengths is not None:
+            strengths = _strengths(strengths, len(stack.values))
+        if positions is not None:
+            found = under_near_lamps(stack, positions, strengths, progress)
+        elif light is not None:
+            found = under_distant_light(stack, light, strengths, smoothness, progress)
         elif method == "refined":
             found = refined(
                 stack,
@@ -154,6 +147,7 @@ def photometric_stereo(
 def _check_method(
     method: str,
     light: object,
+    positions: object,
     strengths: object,
     normals: object,
     symmetric: bool,
@@ -161,13 +155,14 @@ def _check_method(
 ) -> None:
     if method not in FEWEST_IMAGES:
         raise ArgumentError(f"method must be one of {', '.join(FEWEST_IMAGES)}, got {method!r}")
-    if (light is not None) != (method == "known-lights"):
+    known = (light is not None) + (positions is not None)
+    if known != (method == "known-lights"):
         raise ArgumentError(
-            f"light must be given for the method 'known-lights' and for no other, got {method!r} "
-            f"{'with' if light is not None else 'without'} light"
+            "light or positions must be given for the method 'known-lights' and for no other, got "
+            f"{method!r} with {('neither', 'one', 'both')[known]} of them"
         )
-    if strengths is not None and light is None:
-        raise ArgumentError("strengths are those of the lamps in light, which is missing")
+    if strengths is not None and not known:
+        raise ArgumentError("strengths are those of lamps in light or positions: both are missing")
     if smoothness is not None and not 0 <= smoothness < np.inf:
         raise ArgumentError(f"smoothness must be at least 0 and finite, got {smoothness}")
     if smoothness is not None and method in ("4d", "9d"):
@@ -175,106 +170,21 @@ def _check_method(
             f"smoothness needs the method 'refined' or 'known-lights'; {method!r} is linear in the "
             "images' dimensions"
         )
+    if smoothness is not None and positions is not None:
+        raise ArgumentError("smoothness serves distant light only, but positions are given")
     if method != "refined" and (normals is not None or symmetric):
         raise ArgumentError(
             f"normals_known and symmetric serve the method 'refined' only, got {method!r}"
         )
 
 
-def _under_known_light(
-    stack: ImageStack,
-    light: Float[np.ndarray, "F q"],
-    strengths: Float[np.ndarray, "F"] | None,
-    smoothness: float | None,
-    progress: Callable[[float], None],
-) -> Recovered:
-    """Return every pixel fitted by itself, a share of them at a time to spare memory."""
-    model, light, beliefs, warnings = _known_light(stack, light, strengths)
-    pixels = stack.values.shape[1]
-    b, noise, few = np.empty((pixels, 3)), np.empty(pixels), np.empty(pixels, dtype=bool)
-    kept = None if smoothness is None else np.empty(stack.values.shape, np.float32)
-    parts = interleaved(pixels, 8 * len(stack.values))
-    for number, some in enumerate(parts):
-        values, seen = stack.values[:, some], stack.seen[:, some]
-        usable = stack.usable[:, some] if is_single(model) else seen
-        few[some] = usable.sum(axis=0) < UNKNOWNS
-        if is_single(model):
-            b[some], weights = _by_directions(values, light, usable, seen)
-        else:
-            b[some] = normals_from_coefficients(values, light, usable=usable)
-            weights = usable.astype(np.float64)
-        noise[some] = noise_error(values, model, light, b[some], weights)
-        if kept is not None:
-            kept[:, some] = weights
-        progress((number + 1) / len(parts))
-    if few.mean() > MANY:
-        warnings = (
-            *warnings,
-            f"{few.mean():.0%} of the pixels are seen in fewer than three photographs, neither "
-            "dark nor saturated: their normals are guesses",
-        )
-    if smoothness is not None and kept is not None:
-        smooth = of_one_surface(stack, model, light, b, kept, smoothness)
-        noise = smoothed_noise(noise, b, smooth, stack.mask)
-        b = smooth
-    noise = beside_neighbours(directions_of(b), stack.mask, noise)
-    noise = np.where(few, 90.0, noise)
-    lamps = light if is_single(model) else None
-    name = "one point" if is_single(model) else "harmonic"
-    return Recovered(
-        "known-lights",
-        b,
-        noise,
-        None,
-        "light",
-        beliefs=beliefs,
-        light_model=name,
-        lamps=lamps,
-        warnings=warnings,
-    )
-
-
-def _known_light(
-    stack: ImageStack, light: Float[np.ndarray, "F q"], strengths: Float[np.ndarray, "F"] | None
-) -> tuple[LightModel, Float[np.ndarray, "F q"], tuple[Belief, ...], tuple[str, ...]]:
-    """Return the model of known light, its parameters, beliefs, and what was assumed."""
-    light = checks.finite("light", light).astype(np.float64)
-    if light.ndim != 2 or light.shape[1] < 3:
+def _strengths(strengths: Float[np.ndarray, "F"], lamps: int) -> Float[np.ndarray, "F"]:
+    strengths = checks.non_negative("strengths", strengths).astype(np.float64)
+    if strengths.shape != (lamps,):
         raise ArgumentError(
-            "light must be (F, 3) directions or (F, K) harmonic coefficients with K = 4, 9, ..., "
-            f"got shape {light.shape}"
+            f"strengths must be one for each of the {lamps} lamps, got {strengths.shape}"
         )
-    require_light_for_each("light", len(light), len(stack.values))
-    if light.shape[1] > 3:
-        if strengths is not None:
-            raise ArgumentError("strengths belong to directions; coefficients hold theirs")
-        return HarmonicLight(max_degree_of(light.shape[1])), light, (), ()
-    light = checks.unit_vectors("light", light)
-    if strengths is not None:
-        strengths = checks.non_negative("strengths", strengths)
-        if strengths.shape != (len(light),):
-            raise ArgumentError(
-                f"strengths must be one for each of the {len(light)} lamps, got {strengths.shape}"
-            )
-        return SINGLE, light * strengths[:, None], (), ()
-    if len(light) <= UNKNOWNS:
-        return SINGLE, light, (), ("three images do not tell the lamps' strengths: taken as equal",)
-    strengths, beliefs = strengths_of(stack, light)
-    return SINGLE, light * strengths[:, None], beliefs, ()
-
-
-def _by_directions(
-    values: Float[np.ndarray, "F p"],
-    light: Float[np.ndarray, "F 3"],
-    usable: Bool[np.ndarray, "F p"],
-    seen: Bool[np.ndarray, "F p"],
-) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "F p"]]:
-    """Return scaled normals, and how much each observation counted."""
-    b = normals_from_directions(values, light, usable=usable, robust=True)
-    few = usable.sum(axis=0) < UNKNOWNS
-    if few.any():
-        b[few] = normals_from_few(values[:, few], light, seen[:, few])
-    return b, robust_weights(values, light @ b.T, usable)
+    return strengths
 
 
 def _saturation(method: str, share: float) -> tuple[str, ...]:

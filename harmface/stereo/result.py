@@ -28,7 +28,8 @@ class StereoReport:
         What decided between a surface and its concave counterpart: "light", "known normals",
         "outline", or "assumed" (the border of the mask leans outwards).
     light_model
-        What light the structure has: "one point", "points and uniform" or "harmonic".
+        What light the structure has: "one point", "near points", "points and uniform" or
+        "harmonic".
     residual
         Root mean square of the observations about the result's images, relative to their own.
     converged
@@ -82,7 +83,7 @@ class StereoResult:
         Harmonic coefficients of radiance of each image to degree 2, for this albedo.
     lamps
         Direction to the lamp of each image times its irradiance at albedo 1; None where light is
-        not one point an image.
+        not one point an image. Of near lamps, as the middle of the object sees them.
     confidence
         In (0, 1]; a half where the expected error is 5 degrees.
     expected_error

@@ -12,6 +12,10 @@ LEAST_VARIATION = 1e-2
 """Second over first singular value below which all images count as alike: the light moved too
 little for its effect to stand out from noise of one percent."""
 
+OFTEN = 0.75
+"""Quantile of a pixel's values over the images above which highlights may be: a normal needs three
+lit observations, a quarter of twelve."""
+
 DARK = 0.01
 """Values below this fraction of the stack's 99th percentile count as dark by default."""
 
@@ -97,7 +101,7 @@ def image_stack(
     ------
     ArgumentError
         On too few images, a mask that is empty or of another size, NaN, negative values,
-        images that are all alike up to exposure, or if everything is saturated.
+        images that are all alike up to exposure, highlights aside, or if everything is saturated.
     """
     images = checks.array_of("images", images)
     if images.ndim != 3:
@@ -151,11 +155,15 @@ def checked_mask(
 
 def _refuse_alike(values: Float[np.ndarray, "F p"]) -> None:
     some = _some(values).astype(np.float64)
+    # A highlight lights a pixel in few images: without the brightest of them, what does not shade,
+    # as chrome or black glass, is alike in all.
+    some = np.minimum(some, np.quantile(some, OFTEN, axis=0, method="lower"))
     singular = np.sqrt(np.maximum(np.linalg.eigvalsh(some @ some.T)[::-1], 0))
     if len(singular) > 1 and singular[1] <= LEAST_VARIATION * singular[0]:
         raise ArgumentError(
-            "images must differ in their light, but they are alike up to exposure (rank 1); "
-            "move the light between photographs"
+            "images must differ in their light, but highlights aside they are alike up to exposure "
+            "(rank 1); move the light between photographs. Chrome or black objects show no "
+            "shading: cover them with powder or matt spray"
         )
 
 

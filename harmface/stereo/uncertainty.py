@@ -50,20 +50,33 @@ def noise_error(
     """
     found = np.empty(len(b))
     for some in chunks(len(b), 32 * len(values)):
-        found[some] = _noise_error(values[:, some], model, light, b[some], weights[:, some])
+        slope = model.by_normal(light, b[some])
+        residual = values[:, some] - model.predict(light, b[some])
+        found[some] = error_of_fit(slope, residual, b[some], weights[:, some])
     return found
 
 
-def _noise_error(
-    values: Float[np.ndarray, "F p"],
-    model: LightModel,
-    light: Float[np.ndarray, "F q"],
+def error_of_fit(
+    slope: Float[np.ndarray, "F p 3"],
+    residual: Float[np.ndarray, "F p"],
     b: Float[np.ndarray, "p 3"],
     weights: Float[np.ndarray, "F p"],
 ) -> Float[np.ndarray, "p"]:
-    slope = model.by_normal(light, b).swapaxes(0, 1)
+    """Return what `noise_error` does, of the derivatives J by b and the residuals.
+
+    Parameters
+    ----------
+    slope
+        J of each observation.
+    residual
+        What the fit left of it.
+    b
+        Scaled normals.
+    weights
+        Of the observations.
+    """
+    slope = slope.swapaxes(0, 1)
     normal = (weights.T[..., None] * slope).swapaxes(1, 2) @ slope
-    residual = values - model.predict(light, b)
     freedom = np.maximum(weights.sum(axis=0) - 3, 0)
     left = (weights * residual**2).sum(axis=0)
     pooled = left.sum() / max(freedom.sum(), 1.0)

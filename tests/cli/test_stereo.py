@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 import pytest
-from scipy.io import savemat
+from scipy.io import loadmat, savemat
 
 from data_synth.lightings import uniform_directional
 from data_synth.shapes import bumpy_sphere
@@ -10,6 +10,8 @@ from harmface.geometry import frame_orthographic, gbuffer
 from harmface.io import read_image, read_mesh, write_image
 from harmface.rendering import render
 from harmface.reproduce.synthetic import light_of, mesh_of
+from tests.unit.stereo.mirror_sphere import mirrored, pixels, rays
+from tests.unit.stereo.near_scene import LAMPS, lamps_around, relief
 
 COUNT = 24
 
@@ -122,6 +124,123 @@ def test_what_a_channel_clips_is_left_out(run, capture, tmp_path):
     assert "observations are saturated: expose less" in outcome.out
 
 
+def lamps_off(summary, lights):
+    found = np.array(summary["lamp_directions"])
+    return np.degrees(np.arccos(np.clip((found * lights).sum(axis=1), -1, 1))).max()
+
+
+@pytest.fixture
+def sphere(capture):
+    """Photographs of a mirror sphere under the lamps of the capture, and its mask."""
+    lights = np.loadtxt(capture / "light_directions.txt")
+    mask = pixels(rays()[0].astype(float)) > 0.5
+    return lights, np.clip(mirrored(lights), 0, 1), mask
+
+
+def test_a_mirror_sphere_tells_the_lamps(run, check_refused, capture, sphere, tmp_path):
+    lights, images, mask = sphere
+    (tmp_path / "chrome").mkdir()
+    for number, image in enumerate(images):
+        write_image(tmp_path / "chrome" / f"{number}.png", image, bits=8)
+    write_image(tmp_path / "chrome" / "mask.png", mask.astype(float), bits=8)
+    (capture / "light_directions.txt").unlink()
+    known = ("stereo", "ball", "--method", "known-lights", "--chrome-ball", "chrome")
+    outcome = run(*known, "--out", "surface")
+    assert outcome.code == 0
+    assert "note: the lamps are those that the mirror sphere shows, 40.0 pixels" in outcome.out
+    summary = json.loads((tmp_path / "surface" / "summary.json").read_text())
+    # Half a pixel of a sphere of 40 in radius.
+    assert lamps_off(summary, lights) < 1.5
+    assert summary["mean_angular_error_degrees"] < 0.5
+    write_image(tmp_path / "chrome" / "7.png", np.zeros(mask.shape), bits=8)
+    check_refused(r"7\.png: shows no highlight", *known, "--out", "none")
+    (tmp_path / "chrome" / "7.png").unlink()
+    check_refused("chrome: holds 23 photographs of the mirror sphere", *known, "--out", "few")
+
+
+def test_a_mirror_sphere_beside_the_object_tells_the_lamps(
+    run, check_refused, capture, sphere, tmp_path
+):
+    lights, images, mask = sphere
+    (tmp_path / "both").mkdir()
+    object_mask = read_image(capture / "mask.png")
+
+    def beside(left, right):
+        height = len(right)
+        padded = np.zeros((height, left.shape[1]))
+        padded[: len(left)] = left
+        return np.concatenate([padded, right], axis=1)
+
+    for number, image in enumerate(images):
+        both = beside(read_image(capture / f"{number:03d}.png"), image)
+        write_image(tmp_path / "both" / f"{number:03d}.png", both)
+    zeros = np.zeros(mask.shape)
+    write_image(tmp_path / "both" / "ball.png", beside(0 * object_mask, mask * 1.0), bits=8)
+    sphere_alone = ("stereo", "both", "--method", "known-lights")
+    sphere_alone += ("--chrome-ball-mask", "both/ball.png", "--out", "surface")
+    check_refused("needs the object's own mask", *sphere_alone)
+    write_image(tmp_path / "both" / "mask.png", beside(object_mask, zeros), bits=8)
+    outcome = run(*sphere_alone)
+    assert outcome.code == 0
+    summary = json.loads((tmp_path / "surface" / "summary.json").read_text())
+    assert summary["images"] == COUNT
+    # Half a pixel of a sphere of 40 in radius.
+    assert lamps_off(summary, lights) < 1.5
+
+
+def test_near_lamps_are_given_as_positions(run, check_refused, tmp_path, rng):
+    scene, positions = relief(), lamps_around()
+    images = scene.photographs(positions, np.ones(LAMPS), rng, noise=0)
+    (tmp_path / "photos").mkdir()
+    for number, image in enumerate(images):
+        write_image(tmp_path / "photos" / f"{number}.png", image / images.max())
+    write_image(tmp_path / "photos" / "mask.png", scene.mask.astype(float), bits=8)
+    near = ("stereo", "photos", "--method", "known-lights", "--near-lamps")
+    check_refused("photos: holds no file of lamps' positions", *near, "--out", "none")
+    np.savetxt(tmp_path / "lights.txt", positions)
+    assert run(*near, "--out", "near").code == 0
+    normals = np.load(tmp_path / "near" / "normals.npy")
+    error = np.degrees(np.arccos(np.clip((normals[scene.mask] * scene.normals).sum(1), -1, 1)))
+    assert error.mean() < 0.3
+    summary = json.loads((tmp_path / "near" / "summary.json").read_text())
+    assert summary["light_model"] == "near points"
+    # Positions are never guessed from lengths.
+    distant = run("stereo", "photos", "--method", "known-lights", "--out", "distant")
+    assert "which are not used; give intensities as a fourth number, or say that" in distant.out
+    normals = np.load(tmp_path / "distant" / "normals.npy")
+    assert np.abs((normals[scene.mask] * scene.normals).sum(1)).mean() < np.cos(np.radians(10))
+    ball = ("--chrome-ball", "photos", "--out", "none")
+    check_refused("tells directions, but --near-lamps needs positions", *near, *ball)
+    refined = ("stereo", "photos", "--near-lamps", "--out", "none")
+    check_refused("--near-lamps serves --method known-lights", *refined)
+
+
+@pytest.mark.parametrize("photographs", [1, 4])
+def test_lamps_of_three_colours_shine_at_once(run, capture, tmp_path, photographs):
+    lights = np.loadtxt(capture / "light_directions.txt")[: 3 * photographs]
+    # The first three are within 60 degrees of the axis, but a surface in shadow has no normal.
+    lights[:, 2] += 1
+    lights /= np.linalg.norm(lights, axis=1, keepdims=True)
+    truth, mask = loadmat(capture / "Normal_gt.mat")["Normal_gt"], read_image(capture / "mask.png")
+    images = np.maximum(np.tensordot(lights, truth, (1, 2)), 0)
+    (tmp_path / "colour").mkdir()
+    for number in range(photographs):
+        channels = np.moveaxis(images[3 * number : 3 * number + 3], 0, -1)
+        write_image(tmp_path / "colour" / f"{number}.png", channels)
+    write_image(tmp_path / "colour" / "mask.png", mask, bits=8)
+    np.savetxt(tmp_path / "colour" / "lights.txt", lights)
+    outcome = run(
+        *("stereo", "colour", "--method", "known-lights", "--coloured-lamps", "--out", "surface")
+    )
+    assert outcome.code == 0
+    normals = np.load(tmp_path / "surface" / "normals.npy")
+    lit = (np.tensordot(lights, truth, (1, 2)) > 0.05).sum(axis=0) >= 3
+    lit &= mask > 0.5
+    assert lit.sum() > 0.7 * (mask > 0.5).sum()
+    error = np.degrees(np.arccos(np.clip((normals[lit] * truth[lit]).sum(axis=-1), -1, 1)))
+    assert error.mean() < 0.2
+
+
 @pytest.mark.usefixtures("unchecked")
 def test_bad_input_is_refused(capture, check_refused, tmp_path):
     stereo = ("stereo", "ball", "--out", "surface")
@@ -134,6 +253,10 @@ def test_bad_input_is_refused(capture, check_refused, tmp_path):
     (tmp_path / "mine" / "thesis.tex").write_text("precious")
     known = ("--method", "known-lights")
     check_refused("method must be one of", *stereo, "--method", "magic")
+    balls = ("--chrome-ball", "ball", "--chrome-ball-mask", "small.png")
+    check_refused("--chrome-ball and --chrome-ball-mask both", *stereo, *known, *balls)
+    check_refused("--chrome-ball-mask serves --method known-lights", *stereo, *balls[2:])
+    check_refused("small.png: has 4 x 4 pixels", *stereo, *known, *balls[2:])
     check_refused("gamma must be one of linear, srgb", *stereo, "--gamma", "2.2")
     check_refused("mesh-format must be one of ply, obj, glb", *stereo, "--mesh-format", "stl")
     check_refused("focal must be a positive number", *stereo, "--focal", "-3")

@@ -270,3 +270,31 @@ def test_a_listed_set_keeps_its_order(tmp_path):
         photograph(tmp_path / f"{number}.png", number)
     (tmp_path / "filenames.txt").write_text("10.png\n1.png\n2.png\n")
     assert read_capture([tmp_path]).names == ("10.png", "1.png", "2.png")
+
+
+def test_channels_are_photographs_under_coloured_lamps(tmp_path):
+    for number in range(2):
+        photograph(tmp_path / f"{number}.png", 40 - 20 * number, (1, 2, 4))
+    codes = np.arange(6) + 40
+    found = read_capture([tmp_path], coloured=True)
+    assert found.names[:4] == ("0.png red", "0.png green", "0.png blue", "1.png red")
+    assert np.allclose(found.images[:3, 0] * 255, [codes, 2 * codes, 4 * codes])
+    directions = np.eye(3)[[0, 1, 2, 2, 1, 0]] + (0, 0, 0.5)
+    np.savetxt(tmp_path / "lights.txt", directions)
+    unit = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    assert np.allclose(read_capture([tmp_path], coloured=True).lights, unit)
+    with pytest.raises(FileError, match="6 lines of 3 numbers, but 2 images"):
+        read_capture([tmp_path])
+    photograph(tmp_path / "2.png", 9)
+    (tmp_path / "lights.txt").unlink()
+    with pytest.raises(FileError, match=r"2\.png: is grey, but lamps of three colours"):
+        read_capture([tmp_path], coloured=True)
+
+
+def test_a_channel_at_full_scale_is_saturated_alone_under_coloured_lamps(tmp_path):
+    codes = np.full((*SHAPE, 3), 90, np.uint8)
+    codes[1, 2, 1] = 255
+    codes[..., 0] -= np.arange(6, dtype=np.uint8)
+    Image.fromarray(codes).save(tmp_path / "a.png")
+    found = read_capture([tmp_path], coloured=True)
+    assert np.argwhere(found.saturated).tolist() == [[1, 1, 2]]

@@ -52,6 +52,22 @@ def test_lengths_are_not_used_and_that_is_said(tmp_path):
     assert "lengths of 1 to 1.5, which are not used" in found.notes[0]
 
 
+def test_positions_keep_their_lengths_if_asked_for(tmp_path):
+    places = DIRECTIONS * np.array([[3.0], [2], [1.5], [4], [2]])
+    names = [f"{letter}.png" for letter in "edcba"]
+    table = [f"{name} {' '.join(map(str, row))}" for name, row in zip(names, places, strict=True)]
+    (tmp_path / "lamps.lp").write_text("5\n" + "\n".join(table))
+    found = read_lights(tmp_path / "lamps.lp", 5, sorted(names), positions=True)
+    assert np.allclose(found.directions * found.distances[:, None], places[::-1])
+    assert found.notes == ()
+    (tmp_path / "unit.txt").write_text(TEXT)
+    found = read_lights(tmp_path / "unit.txt", 5, positions=True)
+    assert "one object's width away" in found.notes[0]
+    (tmp_path / "angles.txt").write_text("azimuth elevation\n" + "10 20\n" * 5)
+    with pytest.raises(FileError, match="holds angles, but positions"):
+        read_lights(tmp_path / "angles.txt", 5, positions=True)
+
+
 # Three lights 30 degrees from the axis, as in a classical set.
 THREE = np.array([[0.5, 0, 0.866], [-0.25, 0.433, 0.866], [-0.25, -0.433, 0.866]])
 

@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 
 from harmface.errors import ArgumentError
-from harmface.stereo import image_stack
+from harmface.stereo import image_stack, photometric_stereo
 from harmface.stereo.stack import spread_images
+from tests.unit.stereo.conftest import front_lights
+from tests.unit.stereo.mirror_sphere import mirrored, pixels, rays
 
 RNG = np.random.default_rng(3)
 IMAGES = RNG.uniform(0.1, 1.0, (6, 5, 7))
@@ -63,3 +65,29 @@ def test_spread_images_reach_from_the_first_to_the_last(most):
     some = spread_images(stack, most)
     assert len(some.values) == min(most, len(images)) == len(some.seen) == len(some.usable)
     assert np.array_equal(some.values[[0, -1]], stack.values[[0, -1]])
+
+
+@pytest.mark.parametrize("room", [0.0, 0.02, 1.0], ids=["black room", "dim room", "bright room"])
+@pytest.mark.parametrize("count", [4, 5, 12])
+def test_what_shows_highlights_only_is_refused(room, count):
+    on, _ = rays()
+    mask = pixels(on.astype(float)) > 0.5
+    lamps = front_lights(count)
+    # The room's reflection does not move with the lamp.
+    reflected = room * RNG.uniform(0.5, 1, mask.shape)
+    chrome = np.minimum(mirrored(lamps, window=0.5) - 0.03 * mask + reflected, 2)
+    images = np.where(mask, np.maximum(chrome, 0), 0)
+    known = {"method": "known-lights", "light": lamps}
+    near = {"method": "known-lights", "positions": 3 * lamps}
+    for arguments in (known, near, {"method": "4d"}, {"method": "refined"}):
+        with pytest.raises(ArgumentError, match="Chrome or black objects show no shading"):
+            photometric_stereo(images, mask, saturated=images >= 1.5, **arguments)
+
+
+def test_pixels_that_few_images_light_are_not_taken_for_highlights():
+    # Lamps at the horizon: each side of a sphere is lit by half of them.
+    azimuth = np.radians(30.0 * np.arange(12))
+    lamps = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(12)], axis=1)
+    on, normals = rays()
+    images = np.maximum(np.tensordot(lamps, normals, (1, 2)), 0)
+    assert len(image_stack(images, on & (normals[..., 2] < 0.9)).values) == 12
