@@ -13,6 +13,7 @@ from harmface.cli.common import (
     JsonOption,
     LearnFromOption,
     MaxPixelsOption,
+    ResizeOption,
     SessionsOption,
     SkipBadOption,
     SrgbOption,
@@ -50,9 +51,7 @@ def cluster(
         ),
     ] = "best",
     learn_from: LearnFromOption = None,
-    size: Annotated[
-        str | None, typer.Option(metavar="HxW", help="Resize to rows x columns, such as 48x42.")
-    ] = None,
+    size: ResizeOption = None,
     srgb: SrgbOption = False,
     sessions: SessionsOption = False,
     max_pixels: MaxPixelsOption = None,

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
+ResizeOption = Annotated[
+    str | None, typer.Option(metavar="HxW", help="Resize to rows x columns, such as 48x42.")
+]
 SrgbOption = Annotated[
     bool, typer.Option("--srgb", help="The photographs are sRGB-encoded: make them linear.")
 ]
