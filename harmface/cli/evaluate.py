@@ -101,7 +101,6 @@ def evaluate(
     from harmface.io import choose_gallery, output_folder, prepare_folder
     from harmface.io.parts import Parts, digest
     from harmface.recognition import best_method, distance_named
-    from harmface.recognition.methods import wants_others
 
     shape = rows_and_columns(size)
     asked = list(dict.fromkeys(methods.split(",")))
@@ -123,7 +122,7 @@ def evaluate(
     subsets = np.array([photograph.subset for photograph in kept])[~enrolled]
     known = gallery_of_photographs(folder, kept, images, enrolled, {})
     others = read_others(learn_from, known, srgb, max_pixels)
-    best = "whitened" if wants_others(known) else best_method(known)
+    best = best_method(known, learning=True)
     settings = {name: best if name == "best" else name for name in asked}
     with ExitStack() as held:
         parts = None
