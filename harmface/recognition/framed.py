@@ -5,8 +5,9 @@ places first, then over angles and sizes, then over both more finely. All subjec
 under that one motion. Every probe comes somewhat nearer by it, and where light grazes, a probe that
 is in place may come nearest to another person. So a probe of photographs is moved only if it comes
 nearer, in proportion, than 19 in 20 photographs that are in place: the gallery's own, held out.
-Steps are fractions of the picture's height, so that the search reaches a
-tenth of it, 5 degrees and 7 %; the last are half a pixel of a small picture.
+
+Steps are fractions of the picture's height, so that the search reaches a tenth of it, 5 degrees and
+7 %; the last are half a pixel of a small picture.
 """
 
 from collections.abc import Sequence
