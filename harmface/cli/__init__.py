@@ -13,7 +13,18 @@ from typing import NoReturn
 import typer
 
 from harmface import __version__
-from harmface.cli import basis, envmap, evaluate, pca, recognition, render, reproduce, stereo, synth
+from harmface.cli import (
+    basis,
+    cluster,
+    envmap,
+    evaluate,
+    pca,
+    recognition,
+    render,
+    reproduce,
+    stereo,
+    synth,
+)
 from harmface.cli.common import releasing_outputs
 from harmface.errors import HarmfaceError
 
@@ -31,6 +42,7 @@ app.command("basis")(basis.basis)
 app.command("render")(render.render)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
+app.command("cluster")(cluster.cluster)
 app.command("pca")(pca.pca)
 app.command("evaluate")(evaluate.evaluate)
 app.command("stereo")(stereo.stereo)

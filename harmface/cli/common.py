@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
+ResizeOption = Annotated[
+    str | None, typer.Option(metavar="HxW", help="Resize to rows x columns, such as 48x42.")
+]
 SrgbOption = Annotated[
     bool, typer.Option("--srgb", help="The photographs are sRGB-encoded: make them linear.")
 ]
@@ -168,15 +171,19 @@ def read_subjects(
     skip_bad: bool,
     *,
     sessions: bool = False,
+    unlabelled: bool = False,
     max_pixels: int | None = None,
 ) -> tuple[list["Photograph"], np.ndarray, list[FileError]]:
-    """Return the photographs of a folder, their pixels, and the errors of those left out."""
+    """Return the photographs of a folder, their pixels, and the errors of those left out.
+
+    Unless they may be `unlabelled` they must lie in a folder for each subject.
+    """
     from harmface.io import find_photographs, read_photographs
 
     skipped: list[FileError] = []
     with told(), errors.status("reading"):
         kept, images = read_photographs(
-            find_photographs(folder, sessions=sessions),
+            find_photographs(folder, sessions=sessions, unlabelled=unlabelled),
             srgb=srgb,
             size=size,
             max_pixels=pixel_limit(max_pixels),
@@ -266,8 +273,7 @@ def fitted(
 
     learns = wants_others(gallery) if method == BEST else distance_named(method).learns
     if learns and gallery.others is None:
-        others = _procedural(gallery) if learn_from is None else learn_from
-        gallery = replace(gallery, others=others)
+        gallery = with_others(gallery, learn_from)
     wanted = distance_named(best_method(gallery) if method == BEST else method)
     if wanted.source == RELIT and gallery.relit is None:
         with errors.status("recovering surfaces"):
@@ -276,12 +282,15 @@ def fitted(
         return SubjectClassifier.from_gallery(gallery, method)
 
 
-def _procedural(gallery: "Gallery") -> "Photographs":
+def with_others(gallery: "Gallery", learn_from: "Photographs | None") -> "Gallery":
+    """Return the gallery with other people to learn from: procedural ones if none are given."""
     from harmface.recognition.framing import in_frame_of
     from harmface.reproduce.population import procedural_people
 
-    with progress("rendering people to learn from, once") as report:
-        return in_frame_of(gallery, procedural_people(report))
+    if learn_from is None:
+        with progress("rendering people to learn from, once") as report:
+            learn_from = in_frame_of(gallery, procedural_people(report))
+    return replace(gallery, others=learn_from)
 
 
 def read_others(

@@ -7,6 +7,7 @@ import os
 import platform
 import time
 from contextlib import ExitStack
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -19,6 +20,7 @@ from harmface.cli.common import (
     JsonOption,
     LearnFromOption,
     MaxPixelsOption,
+    ResizeOption,
     SessionsOption,
     SkipBadOption,
     SrgbOption,
@@ -68,9 +70,7 @@ def evaluate(
         ),
     ] = "best",
     learn_from: LearnFromOption = None,
-    size: Annotated[
-        str | None, typer.Option(metavar="HxW", help="Resize to rows x columns, such as 48x42.")
-    ] = None,
+    size: ResizeOption = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -90,6 +90,10 @@ def evaluate(
     --out, a run that was stopped goes on with the method it was at when the same command is given
     again.
 
+    Methods are compared with the first, probe by probe: which of the two is wrong alone. p is that
+    of McNemar's exact test, which takes probes for independent; those of one subject are not, which
+    only the interval of the difference allows for.
+
     Example: harmface evaluate CroppedYale --gallery subset1 --methods best,subspace --size 48x42
 
     Example: harmface evaluate CroppedYale --methods best,subspace,lbph --out report
@@ -97,7 +101,6 @@ def evaluate(
     from harmface.io import choose_gallery, output_folder, prepare_folder
     from harmface.io.parts import Parts, digest
     from harmface.recognition import best_method, distance_named
-    from harmface.recognition.methods import wants_others
 
     shape = rows_and_columns(size)
     asked = list(dict.fromkeys(methods.split(",")))
@@ -119,7 +122,7 @@ def evaluate(
     subsets = np.array([photograph.subset for photograph in kept])[~enrolled]
     known = gallery_of_photographs(folder, kept, images, enrolled, {})
     others = read_others(learn_from, known, srgb, max_pixels)
-    best = "whitened" if wants_others(known) else best_method(known)
+    best = best_method(known, learning=True)
     settings = {name: best if name == "best" else name for name in asked}
     with ExitStack() as held:
         parts = None
@@ -130,9 +133,12 @@ def evaluate(
             data |= {} if known.lights is None else {"lights": known.lights}
             data |= {} if others is None else {"others": others.images}
             parts = Parts(out, digest(request, data))
+        files = [str(each.path.relative_to(folder)) for each in kept]
+        probes = [file for file, in_gallery in zip(files, enrolled, strict=True) if not in_gallery]
         results = _results(
-            settings, parts, known, others, images[~enrolled], names[~enrolled], subsets
+            settings, parts, known, others, images[~enrolled], names[~enrolled], subsets, probes
         )
+        differences = _differences(results, np.array(probes), names[~enrolled])
         record = {
             "gallery": gallery,
             "images_enrolled": int(enrolled.sum()),
@@ -141,6 +147,7 @@ def evaluate(
                 name: {key: value for key, value in found.items() if key != SECONDS}
                 for name, found in results.items()
             },
+            "differences": differences,
             "protocol": {
                 "folder": str(folder),
                 "subjects": len(np.unique(names)),
@@ -161,6 +168,8 @@ def evaluate(
         typer.echo(json.dumps({**record, "methods": results}, indent=1))
         return
     _print(results)
+    if differences:
+        _print_differences(differences)
     if out is not None:
         output.print(f"{', '.join(FILES)} in {out}")
 
@@ -173,6 +182,7 @@ def _results(
     probes: np.ndarray,
     names: np.ndarray,
     subsets: np.ndarray,
+    files: list[str],
 ) -> dict[str, dict[str, Any]]:
     """Return the figures of every method; what a stopped run found is taken from its parts."""
     rows = probes.reshape(len(probes), -1)
@@ -189,7 +199,14 @@ def _results(
         seconds = (time.perf_counter() - start) / len(rows)
         truth = np.searchsorted(classifier.classes_, names)
         chances = classifier.probabilities(distances) if classifier.calibrated else None
-        results[name] = {**_figures(distances, truth, subsets, chances), SECONDS: seconds}
+        named = classifier.classes_[distances.argmin(axis=1)]
+        misnamed = {
+            file: str(given)
+            for file, given, own in zip(files, named, names, strict=True)
+            if given != own
+        }
+        figures = _figures(distances, truth, subsets, chances)
+        results[name] = {**figures, "misnamed": misnamed, SECONDS: seconds}
         if parts is not None:
             parts.save(setting, {}, results[name])
     return results
@@ -231,6 +248,24 @@ def _figures(
         "roc": {"false_accepts": rates.tolist(), **curves},
         "reliability": None if chances is None else _reliability(chances, truth),
     }
+
+
+def _differences(
+    results: dict[str, dict[str, Any]], files: np.ndarray, names: np.ndarray
+) -> list[dict[str, Any]]:
+    """Return how the errors of every other method differ from those of the first."""
+    from harmface.recognition.paired import difference
+
+    wrong = {name: np.isin(files, list(found["misnamed"])) for name, found in results.items()}
+    against, *others = wrong
+    return [
+        {
+            "method": name,
+            "against": against,
+            **asdict(difference(wrong[name], wrong[against], names, SEED)),
+        }
+        for name in others
+    ]
 
 
 def _reliability(chances: np.ndarray, truth: np.ndarray) -> dict[str, Any]:
@@ -275,6 +310,21 @@ def _print(results: dict[str, dict[str, Any]]) -> None:
             for rate in _by_subset(found).values()
         ]
         table.add_row(name, *cells, f"{1000 * found[SECONDS]:.2f}")
+    output.print(table)
+
+
+def _print_differences(differences: list[dict[str, Any]]) -> None:
+    title = f"errors on the same probes, against {differences[0]['against']}"
+    table = Table("method", "wrong\nalone", "right\nalone", "difference, %", "p", title=title)
+    for found in differences:
+        rate, low, high = (100 * each for each in (found["rate"], *found["interval"]))
+        table.add_row(
+            found["method"],
+            str(found["only_first"]),
+            str(found["only_second"]),
+            f"{rate:+.1f} ({low:+.1f} to {high:+.1f})",
+            f"{found['p_value']:.2g}",
+        )
     output.print(table)
 
 

@@ -46,7 +46,9 @@ class Photograph:
     subset: int
 
 
-def find_photographs(folder: Path | str, *, sessions: bool = False) -> list[Photograph]:
+def find_photographs(
+    folder: Path | str, *, sessions: bool = False, unlabelled: bool = False
+) -> list[Photograph]:
     """List the photographs below a folder, by subject and name.
 
     In the Extended Yale B layout (`yaleB01/yaleB01_P00A+035E+40.pgm`) names tell the light; its
@@ -61,6 +63,9 @@ def find_photographs(folder: Path | str, *, sessions: bool = False) -> list[Phot
     sessions
         Whether a subject's folder holds others, such as one for each session, whose photographs
         are the subject's; otherwise the folder in which a photograph lies is the subject.
+    unlabelled
+        Whether photographs may lie in the folder itself, too; then their subject is "", and there
+        need not be two.
 
     Raises
     ------
@@ -80,11 +85,15 @@ def find_photographs(folder: Path | str, *, sessions: bool = False) -> list[Phot
     found = _yale_photographs(folder, files)
     by_name = bool(found)
     found = found or [
-        Photograph(path, inside[0] if sessions else inside[-1], None, 0)
+        Photograph(path, inside[0 if sessions else -1] if inside else "", None, 0)
         for path in files
         if path.suffix.lower() in PHOTOGRAPH_SUFFIXES
-        and (inside := path.relative_to(folder).parts[:-1])
+        and ((inside := path.relative_to(folder).parts[:-1]) or unlabelled)
     ]
+    if unlabelled:
+        if not found:
+            raise FileError(f"{folder}: holds no photographs; give PNG, TIFF, PGM or JPEG files")
+        return found
     if by_name or not sessions:
         _check_folders(found)
     if len({photograph.subject for photograph in found}) < 2:

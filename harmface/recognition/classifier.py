@@ -1,6 +1,6 @@
 """The recogniser: a gallery and a distance, with scikit-learn's interface."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,17 +19,14 @@ from harmface.recognition.evaluation import (
     spread,
 )
 from harmface.recognition.gallery import Gallery, Photographs
+from harmface.recognition.held_out import FOLDS, tries
 from harmface.recognition.methods import BEST, best_method, distance_named
-from harmface.recognition.whitened import FEWEST_PEOPLE
 
 if TYPE_CHECKING:
     from harmface.recognition.registration import Motion
 
 TRIALS = 1000
 """Most photographs that probabilities and thresholds are estimated from."""
-
-FOLDS = 3
-"""Parts of a gallery of photographs, each compared with the others to see how sure a name is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,59 +191,16 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         return distance_named(method) if isinstance(method, str) else method
 
     def _held_out(self, gallery: Gallery) -> Trials | None:
-        """Deal every subject's photographs out to folds; compare each with a model of the others.
-
-        With fewer photographs of somebody, one alone may be left of them, or none. Other people
-        who were learned from stand in, if there are any, half of them learned from the other half:
-        they are known under more light.
-        """
-        which = gallery.which
-        stand_ins = self._stand_ins(gallery) if self.distance_.learns else None
-        if stand_ins is not None or np.bincount(which).min() < FOLDS:
-            return stand_ins
-        fold = np.zeros_like(which)
-        for subject in np.unique(which):
-            own = which == subject
-            fold[own] = np.arange(own.sum()) % FOLDS
-        tries = [(gallery.chosen(fold != each), fold == each) for each in range(FOLDS)]
-        return self._tried(
-            [(known, gallery.photographs.images[out], which[out]) for known, out in tries]
-        )
-
-    def _stand_ins(self, gallery: Gallery) -> Trials | None:
-        """Enroll the best-lit photographs of other people, as many of each as of the subjects."""
-        others = gallery.others
-        people = np.unique([] if others is None else others.subjects)
-        half, few = len(people) // 2, int(np.bincount(gallery.which).min())
-        if others is None or half < FEWEST_PEOPLE:
-            return None
-        tries = []
-        for part in (people[:half], people[half : 2 * half]):
-            own = others.chosen(np.isin(others.subjects, part))
-            light = own.images.mean(axis=(1, 2))
-            enrolled = np.zeros(len(light), bool)
-            for person in part:
-                mine = np.flatnonzero(own.subjects == person)
-                enrolled[mine[np.argsort(-light[mine])[:few]]] = True
-            known = replace(
-                gallery,
-                photographs=own.chosen(enrolled),
-                lights=None,
-                relit=own.chosen(light < 0),
-                others=others.chosen(~np.isin(others.subjects, part)),
-            )
-            probes = own.chosen(~enrolled)
-            tries.append((known, probes.images, np.searchsorted(part, probes.subjects)))
-        return self._tried(tries)
-
-    def _tried(self, tries: list[tuple[Gallery, np.ndarray, np.ndarray]]) -> Trials:
-        """Compare probes, of which the subjects' numbers are given, each with its own gallery."""
+        """Compare photographs that were not enrolled, if there are any."""
         found, truths = [], []
-        for known, probes, truth in tries:
-            some = spread(len(truth), TRIALS // len(tries))
+        tried = tries(gallery, self.distance_.learns)
+        for known, probes, truth in tried:
+            some = spread(len(truth), TRIALS // len(tried))
             distance = self.distance_.of_framed
             found.append(distance.distances(distance.fit(known), probes[some], known.mask))
             truths.append(truth[some])
+        if not tried:
+            return None
         return Trials(np.concatenate(found), np.concatenate(truths))
 
     def distances(self, X: Any) -> Float[np.ndarray, "n N"]:

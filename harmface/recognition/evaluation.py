@@ -9,7 +9,7 @@ References
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Integer
+from jaxtyping import Bool, Float, Integer, Shaped
 from scipy.optimize import minimize_scalar
 from scipy.special import logsumexp
 from scipy.stats import genpareto
@@ -142,8 +142,8 @@ def relative_distances(distances: Float[np.ndarray, "n N"]) -> Float[np.ndarray,
 
 
 def bootstrap_interval(
-    wrong: Bool[np.ndarray, "n"],
-    truth: Integer[np.ndarray, "n"],
+    wrong: Bool[np.ndarray, "n"] | Integer[np.ndarray, "n"],
+    truth: Shaped[np.ndarray, "n"],
     rng: np.random.Generator | int,
     level: float = 0.95,
 ) -> tuple[float, float]:
@@ -154,7 +154,8 @@ def bootstrap_interval(
     Parameters
     ----------
     wrong
-        Which probes were misnamed.
+        Which probes were misnamed; or how many errors more each is than in another method: 1, 0
+        or -1.
     truth
         Subject of each probe.
     rng

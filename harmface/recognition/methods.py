@@ -116,18 +116,30 @@ def distance_named(name: str) -> Distance:
     return distance
 
 
-def best_method(gallery: Gallery) -> str:
+def best_method(gallery: Gallery, learning: bool | None = None) -> str:
     """Return the name of the method to use with a gallery.
 
-    Of meshes it is what told procedural heads apart by the widest margin, however probes are
-    framed; of few photographs a person, `whitened`, where there are other people to learn from; of
-    more photographs under known light, `local` with relit photographs; of others, `local`.
+    Of meshes it is what told procedural heads apart by the widest margin; of few photographs a
+    person, `whitened`, where there are other people to learn from; of more photographs under known
+    light, `local` with relit photographs; of others, `local`. Each is searched for how probes are
+    framed, but of photographs that are aligned, or of one row, which is no picture.
+
+    Parameters
+    ----------
+    gallery
+        What was enrolled.
+    learning
+        Whether there are other people to learn from; by default whether the gallery holds them.
     """
     if gallery.harmonic is not None:
-        return "framed+25d"
-    if gallery.others is not None and wants_others(gallery):
-        return "whitened"
-    return "local" if gallery.lights is None else "relit+local"
+        return f"{FRAMED}+25d"
+    learning = gallery.others is not None if learning is None else learning
+    if learning and wants_others(gallery):
+        name = "whitened"
+    else:
+        name = "local" if gallery.lights is None else "relit+local"
+    fixed = gallery.aligned or min(gallery.mask.shape) == 1
+    return name if fixed else f"{FRAMED}+{name}"
 
 
 def wants_others(gallery: Gallery) -> bool:

@@ -22,6 +22,8 @@ COMMANDS = [
     ("recognize",),
     ("reproduce",),
     ("pca",),
+    ("cluster",),
+    ("evaluate",),
     ("synth", "environments"),
     ("synth", "dataset"),
     ("envmap", "project"),

@@ -119,6 +119,27 @@ def test_a_table_a_figure_and_the_protocol_are_written(run, yale, tmp_path):
     assert "holds other files (mine.txt)" in outcome.err
 
 
+def test_methods_are_compared_on_the_same_probes(run, yale):
+    arguments = ("evaluate", yale, "--gallery", "first:2", "--size", "24x21")
+    methods = ("--methods", "nearest,correlation,subspace")
+    record = json.loads(run(*arguments, *methods, "--json").out)
+    wrong = {name: set(found["misnamed"]) for name, found in record["methods"].items()}
+    for name, found in record["methods"].items():
+        assert len(wrong[name]) == found["errors"] > 0
+        assert all(given != file.split("/")[0] for file, given in found["misnamed"].items())
+    assert [found["method"] for found in record["differences"]] == ["correlation", "subspace"]
+    for found in record["differences"]:
+        assert found["against"] == "nearest"
+        ours, theirs = wrong[found["method"]], wrong["nearest"]
+        assert found["only_first"] == len(ours - theirs)
+        assert found["only_second"] == len(theirs - ours)
+        assert found["interval"][0] <= found["rate"] <= found["interval"][1]
+    shown = run(*arguments, *methods).out
+    assert "against nearest" in shown
+    alone = run(*arguments, "--methods", "nearest")
+    assert (alone.code, "against" in alone.out) == (0, False)
+
+
 def test_a_folder_for_each_subject(run, photographs, tmp_path):
     frontal = np.flatnonzero(yale64().subset <= 2)
     for name, stack in zip("abc", photographs, strict=False):

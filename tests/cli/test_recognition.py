@@ -212,7 +212,7 @@ def test_photographs_are_enrolled_and_recognised(run, people, tmp_path):
     assert "3 subjects, 24 photographs at 48 x 42 pixels" in outcome.out
     enrolled = read_gallery(tmp_path / "g.npz")
     assert enrolled.gallery_.facts["files"][:2] == ["ann/0.png", "ann/1.png"]
-    assert enrolled.method == "local"
+    assert enrolled.method == "framed+local"
     for method in ("local", "subspace", "equalized+correlation", "gradient-direction"):
         arguments = ("recognize", "g.npz", "probe.png", "--method", method, "--reject", 0.1)
         record = json.loads(run(*arguments, "--figure", "why.png", "--json").out)
@@ -250,7 +250,8 @@ def test_fewer_photographs_than_dimensions_are_told_and_do(run, people, tmp_path
 
 
 def test_one_photograph_a_person_is_enough(run, people, tmp_path):
-    assert "for whitened" in run("enroll", people, "--gallery", "first:1", "--out", "g.npz").out
+    enrolled = run("enroll", people, "--gallery", "first:1", "--out", "g.npz").out
+    assert "for framed+whitened" in enrolled
     outcome = run("recognize", "g.npz", "probe.png", "--reject", 0.1, "--json")
     result = json.loads(outcome.out)["results"][0]
     assert result["ranking"][0]["subject"] == "bob"

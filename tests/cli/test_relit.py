@@ -56,7 +56,7 @@ def test_what_was_not_photographed_is_rendered(run, yale):
     outcome = run("evaluate", yale, "--gallery", "subset1", *methods, "--json")
     assert outcome.code == 0
     record = json.loads(outcome.out)
-    assert record["protocol"]["settings"]["best"] == "whitened"
+    assert record["protocol"]["settings"]["best"] == "framed+whitened"
     assert record["images_enrolled"] == PEOPLE * FRONTAL
     curves = {name: each["roc"] for name, each in record["methods"].items()}
     assert curves["relit+local"] != curves["local"]
@@ -66,7 +66,7 @@ def test_what_was_not_photographed_is_rendered(run, yale):
 
 def test_without_known_lights_nothing_is_rendered(run, unlit, check_refused):
     outcome = run("evaluate", unlit, "--gallery", "first:4", "--json")
-    assert json.loads(outcome.out)["protocol"]["settings"] == {"best": "whitened"}
+    assert json.loads(outcome.out)["protocol"]["settings"] == {"best": "framed+whitened"}
     arguments = ("evaluate", unlit, "--gallery", "first:4", "--methods", "relit+local")
     check_refused("names that tell the light", *arguments)
 

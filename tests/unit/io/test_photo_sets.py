@@ -73,6 +73,18 @@ def test_one_subject_or_none_is_no_set(tmp_path):
         find_photographs(tmp_path)
 
 
+def test_photographs_may_be_unlabelled_where_that_is_asked_for(tmp_path):
+    with pytest.raises(FileError, match="holds no photographs"):
+        find_photographs(tmp_path, unlabelled=True)
+    for name in ("anna/1.png", "loose.png"):
+        photograph(tmp_path / name)
+    found = find_photographs(tmp_path, unlabelled=True)
+    assert [(each.path.name, each.subject) for each in found] == [
+        ("1.png", "anna"),
+        ("loose.png", ""),
+    ]
+
+
 def test_a_set_of_which_nothing_can_be_read_is_refused(tmp_path):
     for name in ("anna", "bert"):
         photograph(tmp_path / name / "1.png").write_bytes(b"no picture")

@@ -16,6 +16,7 @@ from harmface.recognition import (
     Photographs,
     SubjectClassifier,
     SubspaceDistance,
+    best_method,
     distance_named,
     enroll,
 )
@@ -143,9 +144,15 @@ def test_the_best_method_is_what_the_gallery_allows(gallery, rng):
     assert SubjectClassifier.from_gallery(cast).distance_ == distance_named("framed+25d")
     photographs = Photographs(np.repeat(["a", "b"], 2), rng.random((4, 6, 5)))
     plain = Gallery(photographs, photographs.everywhere)
-    assert SubjectClassifier.from_gallery(plain).distance_ == distance_named("local")
+    assert SubjectClassifier.from_gallery(plain).distance_ == distance_named("framed+local")
+    fixed = replace(plain, aligned=True)
+    assert SubjectClassifier.from_gallery(fixed).distance_ == distance_named("local")
+    row = Gallery(
+        Photographs(photographs.subjects, photographs.images[:, :1]), np.ones((1, 5), bool)
+    )
+    assert best_method(row) == "local"
     lit = replace(plain, lights=np.tile([0, 0, 1.0], (4, 1)), relit=photographs)
-    assert SubjectClassifier.from_gallery(lit).distance_ == distance_named("relit+local")
+    assert SubjectClassifier.from_gallery(lit).distance_ == distance_named("framed+relit+local")
 
 
 def test_held_out_photographs_do_not_know_themselves(rng):

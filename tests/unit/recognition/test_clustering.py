@@ -5,8 +5,17 @@ from scipy.optimize import lsq_linear
 from data_synth.faces import head
 from data_synth.lightings import uniform_directional
 from harmface.errors import ArgumentError
-from harmface.recognition import subject_photographs
-from harmface.recognition.clustering import cluster_subjects, conic_affinity
+from harmface.recognition import Gallery, Photographs, distance_named, subject_photographs
+from harmface.recognition.clustering import (
+    cluster_subjects,
+    conic_affinity,
+    kmeans_subjects,
+    likely_subjects,
+    mutual_distances,
+    neighbour_affinity,
+    neighbours_of,
+    purity,
+)
 from harmface.reproduce.synthetic import light_of, mesh_of
 
 
@@ -41,9 +50,45 @@ def test_a_mixture_of_two_images_takes_of_them_alone(rng):
 
 
 def test_photographs_are_sorted_by_what_they_show(photographs):
-    found = cluster_subjects(photographs, 3).reshape(3, 20)
+    found = cluster_subjects(conic_affinity(photographs), 3).reshape(3, 20)
     assert all(len(set(row)) == 1 for row in found)
     assert len(set(found[:, 0])) == 3
+
+
+def test_whom_photographs_show_plays_no_part_in_their_distances(rng):
+    images = rng.random((4, 5, 6))
+    gallery = Gallery(Photographs(np.array(list("aabb")), images), np.ones((5, 6), bool))
+    found = mutual_distances(gallery, distance_named("nearest"))
+    expected = np.linalg.norm((images[:, None] - images).reshape(4, 4, -1), axis=-1)
+    assert np.allclose(found, expected, atol=1e-6)
+
+
+def test_neighbours_are_linked():
+    places = np.array([0.0, 1.0, 3.0, 10.0])
+    affinity = neighbour_affinity(np.abs(places[:, None] - places), 1)
+    expected = np.zeros((4, 4))
+    expected[0, 1] = expected[1, 0] = 1  # neighbours of each other
+    expected[1, 2] = expected[2, 1] = expected[2, 3] = expected[3, 2] = 0.5
+    assert np.array_equal(affinity, expected)
+
+
+def test_neighbours_are_no_more_than_a_subject_has_other_images():
+    assert neighbours_of(635) == 13  # 2 log 635 = 12.9
+    assert neighbours_of(60, 10) == 5
+    assert neighbours_of(10, 9) == 1
+
+
+@pytest.mark.parametrize("parts", [2, 3, 5])
+def test_parts_of_a_graph_are_counted(rng, parts):
+    which = np.repeat(np.arange(parts), 8)
+    affinity = np.where(which[:, None] == which, 1.0, 0.02 * rng.random((8 * parts, 8 * parts)))
+    assert likely_subjects((affinity + affinity.T) / 2) == parts
+
+
+def test_k_means_takes_no_notice_of_brightness():
+    images = np.repeat([[1.0, 0, 0], [0, 1.0, 0.2]], 4, axis=0)
+    found = kmeans_subjects(images * np.tile([[0.01], [1.0]], (4, 1)), 2)
+    assert purity(found, np.repeat(["a", "b"], 4)) == 1
 
 
 @pytest.mark.parametrize(
@@ -52,8 +97,10 @@ def test_photographs_are_sorted_by_what_they_show(photographs):
         (lambda: conic_affinity(np.ones((1, 4))), "at least 2"),
         (lambda: conic_affinity(np.zeros((3, 4))), "all black"),
         (lambda: conic_affinity(-np.ones((3, 4))), "negative"),
-        (lambda: cluster_subjects(np.ones((3, 4)), 1), "at least 2 and fewer than the 3"),
-        (lambda: cluster_subjects(np.ones((3, 4)), 3), "at least 2 and fewer than the 3"),
+        (lambda: cluster_subjects(np.ones((3, 3)), 1), "at least 2 and fewer than the 3"),
+        (lambda: cluster_subjects(np.ones((3, 3)), 3), "at least 2 and fewer than the 3"),
+        (lambda: kmeans_subjects(np.ones((3, 4)), 3), "at least 2 and fewer than the 3"),
+        (lambda: neighbour_affinity(np.ones((3, 3)), 3), "fewer than the 3 images"),
     ],
 )
 @pytest.mark.usefixtures("unchecked")

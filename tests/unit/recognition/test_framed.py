@@ -80,10 +80,28 @@ def test_misframed_probes_lose_little(faces, gallery, shift, turn, size):
 
 def test_a_better_place_is_one_that_is_nearer(gallery, faces):
     distance, inner = FramedDistance(), LocalDistance()
-    model, probes = inner.fit(gallery), cropped(faces[:, -1])
+    model, probes = distance.fit(gallery), cropped(faces[:, -1])
     found, motions = distance.search(model, probes, gallery.mask)
     assert (found.min(axis=1) <= inner.distances(model, probes, gallery.mask).min(axis=1)).all()
     assert len(motions) == SUBJECTS
+
+
+def test_most_photographs_in_place_are_left_there(gallery):
+    distance, images = FramedDistance(), gallery.photographs.images
+    known = np.arange(len(images)) % 7 < 5
+    model = distance.fit(gallery.chosen(known))
+    motions = distance.search(model, images[~known], gallery.mask)[1]
+    assert np.mean([motion == Motion() for motion in motions]) >= 0.7
+    anywhere = {**model, "ratio_in_place": np.array(1.0)}
+    freely = distance.search(anywhere, images[~known], gallery.mask)[1]
+    assert sum(motion != Motion() for motion in freely) > sum(
+        motion != Motion() for motion in motions
+    )
+
+
+def test_without_photographs_to_try_any_nearer_place_will_do(gallery):
+    model = FramedDistance().fit(gallery.chosen(np.arange(len(gallery.which)) % 7 < 2))
+    assert model["ratio_in_place"] == 1
 
 
 def test_the_gallery_itself_is_not_searched(gallery):
