@@ -79,8 +79,9 @@ class FramedDistance(Distance):
         ratios = [np.ones(0)]
         for known, probes, truth in tried:
             model, some = self.inner.fit(known), spread(len(truth), MOST_TRIED // len(tried))
-            before = self.inner.distances(model, probes[some], known.mask).min(axis=1)
-            after = self._nearest(model, probes[some], known.mask)[0].min(axis=1)
+            there = self.inner.distances(model, probes[some], known.mask)
+            after = self._nearest(model, probes[some], known.mask, there)[0].min(axis=1)
+            before = there.min(axis=1)
             ratios.append(after[before > 0] / before[before > 0])
         found = np.concatenate(ratios)
         least = np.quantile(found, 1 - IN_PLACE) if found.size else 1.0
@@ -96,8 +97,8 @@ class FramedDistance(Distance):
         self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
     ) -> tuple[Float[np.ndarray, "n N"], list[Motion]]:
         """Return the distances, and how every probe lies against the frame of the gallery."""
-        found, motions = self._nearest(model, probes, mask)
         before = self.inner.distances(model, probes, mask)
+        found, motions = self._nearest(model, probes, mask, before)
         stays = found.min(axis=1) >= model["ratio_in_place"] * before.min(axis=1)
         motions = [
             Motion() if stay else motion for motion, stay in zip(motions, stays, strict=True)
@@ -105,11 +106,14 @@ class FramedDistance(Distance):
         return np.where(stays[:, None], before, found), motions
 
     def _nearest(
-        self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
+        self,
+        model: Model,
+        probes: Float[np.ndarray, "n H W"],
+        mask: Bool[np.ndarray, "H W"],
+        distances: Float[np.ndarray, "n N"],
     ) -> tuple[Float[np.ndarray, "n N"], list[Motion]]:
-        """Return the least distances that the search finds, and where."""
+        """Return the least distances found from those where the probes are, and the motions."""
         motions = [Motion()] * len(probes)
-        distances = self.inner.distances(model, probes, mask)
         for places, angles, sizes in zip(PLACES, ANGLES, SIZES, strict=True):
             steps = [fraction * mask.shape[0] for fraction in places]
             shifts = [Motion(x, y) for x in steps for y in steps]
