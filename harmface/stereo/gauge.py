@@ -7,13 +7,16 @@ see `cues`: the map is the one of least total cost. Integrability leaves a bas-r
 numbers are improved together. A cue that does not hold at the result, by its own test, is left out
 and the search repeated.
 
-How far the answer is to be trusted is told by two things. The curvature of the cost at the optimum
-gives a covariance of the map. And the answers without each of the cues in turn, and at rival
-optima, show what depends on a single one.
+How far the answer is to be trusted is told twice, and the mean variance is taken: by the curvature
+of the cost at the optimum, which is right if cues err as they are taken to; and by the answers
+without each of the cues in turn, whose squared distances from the answer with all add up to its
+variance whatever the cues' errors are, as far as a handful of cues can show it (the jackknife,
+[ES81]_). Rival optima add theirs, each as far as its likelihood goes.
 
 References
 ----------
 .. [BKY99] Belhumeur, Kriegman and Yuille, The Bas-Relief Ambiguity, IJCV 1999.
+.. [ES81] Efron and Stein, The Jackknife Estimate of Variance, Annals of Statistics 1981.
 """
 
 from collections.abc import Callable, Sequence
@@ -59,11 +62,9 @@ EVALUATIONS = 4
 SETTLED = 0.01
 """Fall of the cost that makes no difference: a likelihood ratio of one percent."""
 
-FEWEST_DRAWS = 8
-"""Maps drawn from the covariance at least."""
-
-RIVAL = 3.0
-"""Cost above the best up to which another optimum is as likely as one in twenty."""
+LAGGING = 3.0
+"""Cost above the best, after a few rounds, from which a start is given up: an optimum there would
+be as likely as one in twenty."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,16 +99,19 @@ class Gauge:
     beliefs
         What became of each cue.
     covariance
-        Of the entries of T, by the curvature of the cost.
+        Of a relative change of the entries of T, by the curvature of the cost.
+    without
+        Maps chosen without each of the cues in turn.
     rivals
-        Maps chosen without each of the cues, and at other optima.
+        Maps at other optima, with their probabilities.
     """
 
     rows: Rows
     cost: float
     beliefs: tuple[Belief, ...]
     covariance: Float[np.ndarray, "n n"]
-    rivals: tuple[Rows, ...]
+    without: tuple[Rows, ...]
+    rivals: tuple[tuple[float, Rows], ...]
 
 
 def boosted(rows: Rows, step: Float[np.ndarray, "6"]) -> Rows:
@@ -142,18 +146,25 @@ def choose_map(
     """
     found, accepted = _believed(cues, families, move)
     cost, rows = found[0]
-    rivals = [other for price, other in found[1:] if price < cost + RIVAL]
+    likelihoods = np.exp([cost - other for other, _ in found])
+    probabilities = likelihoods / likelihoods.sum()
     # What integrability says is not in question, and without it there is no surface.
-    for left_out in accepted:
-        if len(accepted) > 2 and not isinstance(left_out, Integrability):
-            others = [cue for cue in accepted if cue is not left_out]
-            rivals.append(improved(others, rows, move, FEW_ROUNDS)[1])
+    questioned = [cue for cue in accepted if not isinstance(cue, Integrability)]
+    without = [
+        improved([cue for cue in accepted if cue is not left_out], rows, move)[1]
+        for left_out in questioned
+        if len(questioned) > 1
+    ]
     return Gauge(
         rows,
         cost,
         tuple(Belief(cue.name, _scale(cue, rows), cue in accepted) for cue in cues),
         _covariance(accepted, rows),
-        tuple(rivals),
+        tuple(without),
+        tuple(
+            (float(probability), other)
+            for probability, (_, other) in zip(probabilities[1:], found[1:], strict=True)
+        ),
     )
 
 
@@ -229,27 +240,25 @@ def improved(
     return cost, rows
 
 
-def spread_of_maps(gauge: Gauge, rng: np.random.Generator) -> Float[np.ndarray, "m 3 d"]:
-    """Return maps that are about as likely as the chosen one.
+def spread_of_maps(gauge: Gauge) -> list[tuple[float, Rows]]:
+    """Return maps whose weighted squared distances from the chosen one add up to its variance.
 
-    Half are drawn from the covariance, half are rivals, or all drawn if there are none.
+    One standard deviation along each axis of the covariance and the answers without each cue are
+    two estimates of one variance, and weigh a half. Rivals weigh as much as they are probable.
 
     Parameters
     ----------
     gauge
         The chosen map and its doubts.
-    rng
-        Draws the maps.
     """
     variances, axes = np.linalg.eigh(gauge.covariance)
-    root = axes * np.sqrt(np.maximum(variances, 0))
-    draws = max(len(gauge.rivals), FEWEST_DRAWS)
-    steps = rng.standard_normal((draws, len(root))) @ root.T
-    drawn = [shifted(gauge.rows, step) for step in steps]
-    if not gauge.rivals:
-        return np.stack(drawn)
-    repeated = [gauge.rivals[k % len(gauge.rivals)] for k in range(draws)]
-    return np.stack(drawn + repeated)
+    steps = (axes * np.sqrt(np.maximum(variances, 0))).T
+    share = 0.5 if gauge.without else 1.0
+    return [
+        *((share, shifted(gauge.rows, step)) for step in steps),
+        *((share, rows) for rows in gauge.without),
+        *gauge.rivals,
+    ]
 
 
 def _believed(
@@ -278,7 +287,7 @@ def _optima(
     optima: list[tuple[float, Rows]] = []
     for cost, rows in found:
         # Those that lag far behind will not catch up, and those beside an optimum lead there.
-        if cost < found[0][0] + RIVAL and not any(_alike(rows, other) for _, other in optima):
+        if cost < found[0][0] + LAGGING and not any(_alike(rows, other) for _, other in optima):
             optima.append(improved(cues, rows, move, rounds))
     return sorted(optima, key=lambda each: each[0])
 

@@ -3,10 +3,11 @@
 Two things make a normal wrong. Noise, and light that the model does not know, move each pixel by
 itself: the residuals of the pixel and the curvature of its own fit tell how far to expect, and
 its neighbours how far it was. And the linear map that the cues chose is sure in some directions
-and vague in others; an error in it moves all normals together. How vague it is, is told by maps
-that are as likely, see `gauge`.
+and vague in others; an error in it moves all normals together. How vague it is, is told by other
+maps, weighted, see `gauge`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -177,7 +178,7 @@ class MapError:
 
 
 def map_error(
-    maps: Float[np.ndarray, "m 3 d"], rows: Rows, structure: Float[np.ndarray, "p d"]
+    maps: Sequence[tuple[float, Rows]], rows: Rows, structure: Float[np.ndarray, "p d"]
 ) -> MapError:
     """Return how far normals may be off by the map.
 
@@ -187,28 +188,29 @@ def map_error(
     Parameters
     ----------
     maps
-        Maps that are about as likely as the chosen one, of `spread_of_maps`.
+        Weights and maps whose weighted squares of distances add up to a variance, of
+        `spread_of_maps`.
     rows
         The chosen map.
     structure
         v.
     """
     found = directions_of(structure @ rows.T)
-    squares = np.zeros(len(found))
-    moved = []
     some = slice(None, None, max(1, len(found) // SAMPLE))
-    for other in maps:
+    here = _lean_and_depth(found[some])
+    squares, moved = np.zeros(len(found)), np.zeros(3)
+    for weight, other in maps:
         other = other * np.sign((structure[some] @ other[2]).sum() * found[some, 2].sum())
         n = directions_of(structure @ other.T)
         flipped = n * (-1, -1, 1)
         if (found * flipped)[some].sum() > (found * n)[some].sum():
             n = flipped
         chord = np.linalg.norm(n - found, axis=1)
-        squares += np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1))) ** 2
-        moved.append(_lean_and_depth(n[some]))
-    spread = (np.array(moved) - _lean_and_depth(found[some])).std(axis=0)
+        squares += weight * np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1))) ** 2
+        moved += weight * (_lean_and_depth(n[some]) - here) ** 2
+    tilt_x, tilt_y, stretch = np.sqrt(moved)
     return MapError(
-        np.sqrt(squares / len(maps)), (float(spread[0]), float(spread[1])), float(spread[2])
+        np.minimum(np.sqrt(squares), 90.0), (float(tilt_x), float(tilt_y)), float(stretch)
     )
 
 

@@ -112,7 +112,6 @@ def refined(
         gauge,
         found.numbers(raw),
         stack.mask,
-        rng,
         how,
         light_model=_name_of(found),
         converged=found.converged,
@@ -176,7 +175,6 @@ def harmonic(
         found.gauge,
         numbers,
         stack.mask,
-        rng,
         how,
         signature_held=found.signature_held,
         warnings=tuple(warnings),
@@ -193,14 +191,13 @@ def _recovered(
     gauge: Gauge,
     numbers: Float[np.ndarray, "p d"],
     mask: Bool[np.ndarray, "H W"],
-    rng: np.random.Generator,
     convexity: str,
     *,
     lamps: Float[np.ndarray, "F 3"] | None = None,
     **found: Any,
 ) -> Recovered:
     """Return the result with its uncertainty."""
-    of_map = map_error(spread_of_maps(gauge, rng), gauge.rows, numbers)
+    of_map = map_error(spread_of_maps(gauge), gauge.rows, numbers)
     noise = beside_neighbours(directions_of(b), mask, noise)
     size = float(np.linalg.norm(b, axis=1).max())
     return Recovered(

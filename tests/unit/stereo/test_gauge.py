@@ -17,7 +17,6 @@ from harmface.stereo.cues import (
     cost_of,
 )
 from harmface.stereo.gauge import (
-    FEWEST_DRAWS,
     Gauge,
     bas_reliefs,
     boosted,
@@ -35,7 +34,7 @@ BENT = bas_relief(0.4, -0.3, 0.5)
 LAMPS = front_lights(24)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Planted:
     """Residuals whose distance to a target is told by numbers that are linear in the map."""
 
@@ -134,32 +133,66 @@ def test_a_cue_that_is_wrong_is_left_out_and_the_others_kept(egg, rng):
     assert all(told.accepted for told in allowed.beliefs)
 
 
-def test_the_answer_without_each_cue_is_a_rival(egg):
+def test_answers_without_each_cue_are_kept(egg):
     cues = cues_of(egg, BENT)
     gauge = choose_map(cues, [[np.linalg.inv(BENT)]])
-    # All but integrability, of a single start.
-    assert len(gauge.rivals) == len(cues) - 1
-    without = [cue for cue in cues if cue.name != "equal lamps"]
-    best = min(total_cost(without, rows) for rows in gauge.rivals)
-    assert best <= total_cost(without, gauge.rows)
+    # All but integrability.
+    assert len(gauge.without) == len(cues) - 1
+    for left_out, rows in zip(cues[1:], gauge.without, strict=True):
+        others = [cue for cue in cues if cue is not left_out]
+        assert total_cost(others, rows) <= total_cost(others, gauge.rows)
+    # One cue beside integrability has nothing to be compared with.
+    assert choose_map([cues[0], cues[-1]], [[np.linalg.inv(BENT)]]).without == ()
 
 
-def test_two_cues_have_no_rivals(egg):
-    cues = cues_of(egg, BENT)
-    assert choose_map([cues[0], cues[-1]], [[np.linalg.inv(BENT)]]).rivals == ()
+def test_answers_without_each_cue_spread_as_answers_do():
+    """Cues that err ten times as far as their residuals tell: curvature cannot know, these do."""
+    rng = np.random.default_rng(7)
+    truth, count = np.linalg.inv(BENT), 12
+    size = np.linalg.norm(truth) / 3
+    along = (truth / np.linalg.norm(truth)).ravel()
+    across = np.eye(9) - np.outer(along, along)
+    moved, by_curvature, by_leaving_out = [], [], []
+    for _ in range(20):
+        cues = [
+            Planted(
+                rng.standard_normal((60, 9)),
+                truth + 0.02 * rng.standard_normal((3, 3)),
+                0.002 * rng.standard_normal(60),
+                60.0,
+                floor=0.02,
+            )
+            for _ in range(count)
+        ]
+        gauge = choose_map(cues, [[truth]])
+        moved.append(across @ (gauge.rows - truth).ravel() / size)
+        by_curvature.append(np.trace(across @ gauge.covariance @ across))
+        steps = [across @ (rows - gauge.rows).ravel() / size for rows in gauge.without]
+        by_leaving_out.append(sum((step**2).sum() for step in steps))
+    spread = np.mean([(step**2).sum() for step in moved])
+    assert np.mean(by_curvature) < spread / 4
+    assert 0.5 < np.mean(by_leaving_out) / spread < 2
 
 
-def test_another_optimum_is_a_rival_if_it_is_about_as_likely(egg):
-    """Without outline, facing or typical shape, a surface and its concave counterpart are."""
+def test_another_optimum_is_a_rival_as_far_as_it_is_likely(egg):
+    """Without outline, facing or typical shape, a surface and its concave counterpart are alike."""
     cues = [cue for cue in cues_of(egg, BENT) if cue.name in ("integrability", "equal lamps")]
     truth = np.linalg.inv(BENT)
     concave = np.diag([-1.0, -1.0, 1.0]) @ truth
     gauge = choose_map(cues, [[truth], [concave]])
-    (rival,) = gauge.rivals
+    ((probability, rival),) = gauge.rivals
+    assert probability == pytest.approx(0.5, abs=0.01)
     found = unit(egg.normals @ (rival @ BENT).T)
     chosen = unit(egg.normals @ (gauge.rows @ BENT).T)
     assert angular_errors(found, chosen * (-1, -1, 1)).max() < 0.5
-    # Nor does any other tell: that is decided apart.
+    # Something that tells them apart makes the worse one less likely.
+    told = [*cues, Planted(np.eye(9)[[0] * 5], truth, np.zeros(5), 1.0, floor=1.0)]
+    gauge = choose_map(told, [[concave], [truth]])
+    ((probability, rival),) = gauge.rivals
+    apart = total_cost(told, rival) - gauge.cost
+    assert 0.3 < apart < 2
+    assert probability == pytest.approx(np.exp(-apart) / (1 + np.exp(-apart)))
+    # Nor does any other cue tell: that is decided apart.
     every = cues_of(egg, BENT)
     assert total_cost(every, concave) == pytest.approx(total_cost(every, truth))
     sheared = bas_relief(0.2, 0.1, 0.8) @ truth
@@ -204,28 +237,25 @@ def test_the_covariance_is_the_spread_of_maps_over_noise(kind):
     assert 0.5 < expected / spread < 2
 
 
-def test_maps_drawn_have_the_covariance(rng):
+def test_weighted_squares_of_maps_are_the_covariance(rng):
     root = 0.05 * rng.standard_normal((9, 9))
     rows = np.linalg.inv(BENT)
-    gauge = Gauge(rows, 0.0, (), root @ root.T + 1e-6 * np.eye(9), ())
-    drawn = np.concatenate([spread_of_maps(gauge, rng) for _ in range(250)])
-    assert len(drawn) == 250 * FEWEST_DRAWS
-    relative = (drawn - rows).reshape(len(drawn), 9) / (np.linalg.norm(rows) / 3)
-    # 2000 draws know a standard deviation to 1.6 %.
-    assert np.linalg.norm(np.cov(relative.T) - gauge.covariance) < 0.1 * np.linalg.norm(
-        gauge.covariance
-    )
+    covariance = root @ root.T
+    gauge = Gauge(rows, 0.0, (), covariance, (), ())
 
+    def total(maps):
+        steps = [((other - rows) / (np.linalg.norm(rows) / 3)).ravel() for _, other in maps]
+        return sum(
+            weight * np.outer(step, step) for (weight, _), step in zip(maps, steps, strict=True)
+        )
 
-def test_rivals_are_half_of_the_maps(rng):
-    rows = np.eye(3)
-    for count in (1, 3, 20):
-        rivals = tuple(np.full((3, 3), 1.0 + k) for k in range(count))
-        maps = spread_of_maps(Gauge(rows, 0.0, (), 1e-8 * np.eye(9), rivals), rng)
-        assert len(maps) == 2 * max(count, FEWEST_DRAWS)
-        assert np.allclose(maps[: len(maps) // 2], rows, atol=0.01)
-        for rival in rivals:
-            assert (np.abs(maps[len(maps) // 2 :] - rival).max(axis=(1, 2)) == 0).any()
+    assert np.allclose(total(spread_of_maps(gauge)), covariance)
+    # Two estimates of one variance weigh a half each, and rivals as much as they are probable.
+    without = tuple(rows + each for each in 0.1 * rng.standard_normal((4, 3, 3)))
+    rivals = ((0.2, rows + 1.0), (0.05, rows - 1.0))
+    expected = covariance / 2 + total([(0.5, each) for each in without]) + total(rivals)
+    both = spread_of_maps(Gauge(rows, 0.0, (), covariance, without, rivals))
+    assert np.allclose(total(both), expected)
 
 
 def test_bas_reliefs_are_about_a_level_surface_of_usual_depth(egg):

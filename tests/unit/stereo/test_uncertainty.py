@@ -148,20 +148,22 @@ def test_what_a_fit_has_taken_out_is_noise_no_more(ball, rng):
 
 def test_an_error_of_the_map_is_the_angle_by_which_normals_move(ball):
     turn = Rotation.from_rotvec([np.radians(4), 0, 0]).as_matrix()
-    found = map_error(np.stack([turn, turn]), np.eye(3), ball.b)
     moved = angular_errors(ball.normals @ turn.T, ball.normals)
+    found = map_error([(1.0, turn)], np.eye(3), ball.b)
     assert np.allclose(found.angle, moved)
-    # All turned alike: no spread about their mean.
-    assert found.tilt == pytest.approx((0, 0), abs=1e-9)
-    assert found.stretch == pytest.approx(0, abs=1e-9)
-    back = map_error(np.stack([turn, turn.T]), np.eye(3), ball.b)
-    # (a, -a) has a deviation of a; and it is the lean of the middle of the slopes.
-    assert back.tilt[0] == pytest.approx(4, rel=0.05)
-    assert back.tilt[0] > 4 * back.tilt[1]
+    # It is the lean of the middle of the slopes.
+    assert found.tilt[0] == pytest.approx(4, rel=0.05)
+    assert found.tilt[0] > 4 * found.tilt[1]
+    # Weighted squares add up.
+    both = map_error([(0.5, turn), (1.75, turn)], np.eye(3), ball.b)
+    assert np.allclose(both.angle, 1.5 * moved)
+    assert both.tilt[0] == pytest.approx(1.5 * found.tilt[0])
+    # Beyond a right angle nothing is known.
+    assert map_error([(1000.0, turn)], np.eye(3), ball.b).angle.max() == 90
 
 
 def test_a_stretch_is_told_as_such(ball):
-    maps = np.stack([bas_relief(0, 0, np.exp(0.2)), bas_relief(0, 0, np.exp(-0.2))])
+    maps = [(0.5, bas_relief(0, 0, np.exp(0.2))), (0.5, bas_relief(0, 0, np.exp(-0.2)))]
     found = map_error(maps, np.eye(3), ball.b)
     assert found.stretch == pytest.approx(0.2, rel=0.01)
     assert found.angle.min() < 1 < found.angle.max()
@@ -173,7 +175,7 @@ def test_a_stretch_is_told_as_such(ball):
 def test_sign_size_and_concave_counterpart_are_no_error(ball, other):
     rows = np.array([[0.9, 0.3, -0.2], [-0.4, 1.1, 0.3], [0.2, 0.1, 0.7]])
     v = ball.b @ np.linalg.inv(rows).T
-    found = map_error(np.stack([other @ rows] * 2), rows, v)
+    found = map_error([(1.0, other @ rows)], rows, v)
     assert found.angle.max() < 1e-5
     assert found.tilt == pytest.approx((0, 0), abs=1e-6)
     assert found.stretch == pytest.approx(0, abs=1e-9)
