@@ -52,6 +52,20 @@ def stereo(
     symmetric: Annotated[
         bool, typer.Option("--symmetric", help="The object is symmetric about its vertical axis.")
     ] = False,
+    normals_known: Annotated[
+        Path | None,
+        typer.Option(
+            help="Table for refined, a line a pixel whose normal was measured: column row x y z "
+            "(from 0 at the top left; x right, y up, z towards the camera)."
+        ),
+    ] = None,
+    directions_known: Annotated[
+        Path | None,
+        typer.Option(
+            help="Table for refined, a line a lamp whose direction was measured: number of the "
+            "photograph (from 1), x y z."
+        ),
+    ] = None,
     smoothness: Annotated[
         float | None,
         typer.Option(
@@ -93,6 +107,8 @@ def stereo(
         output_folder,
         prepare_folder,
         read_capture,
+        read_measured_directions,
+        read_measured_normals,
         surface_files,
         write_surface,
     )
@@ -139,6 +155,11 @@ def stereo(
                 f"no mask was given: the object is what stands out of a dark background, "
                 f"{seen.mean():.0%} of the picture; --mask says better"
             )
+    normals = directions = None
+    if normals_known is not None:
+        normals = read_measured_normals(normals_known, capture.images.shape[1:])
+    if directions_known is not None:
+        directions = read_measured_directions(directions_known, len(capture.images))
     camera = None if focal is None else _camera(focal, capture.images.shape[1:])
     with progress("solving") as report:
         found = photometric_stereo(
@@ -148,6 +169,8 @@ def stereo(
             light=capture.lights if known and capture.distances is None else None,
             positions=_positions(capture),
             strengths=capture.strengths if known else None,
+            normals_known=normals,
+            directions_known=directions,
             symmetric=symmetric,
             saturated=capture.saturated,
             smoothness=smoothness,

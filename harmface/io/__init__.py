@@ -14,6 +14,7 @@ from harmface.io.galleries import read_gallery, write_gallery
 from harmface.io.gallery_choice import choose_gallery
 from harmface.io.images import read_image, write_image
 from harmface.io.light_files import Lights, read_lights
+from harmface.io.measured import read_measured_directions, read_measured_normals
 from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
@@ -43,6 +44,8 @@ __all__ = [
     "read_image",
     "read_lights",
     "read_mask",
+    "read_measured_directions",
+    "read_measured_normals",
     "read_mesh",
     "read_npz",
     "read_photographs",

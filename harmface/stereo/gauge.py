@@ -62,6 +62,9 @@ EVALUATIONS = 4
 SETTLED = 0.01
 """Fall of the cost that makes no difference: a likelihood ratio of one percent."""
 
+CONCAVE = np.diag([-1.0, -1.0, 1.0])
+"""From a surface to its concave counterpart, which under light turned likewise looks the same."""
+
 LAGGING = 3.0
 """Cost above the best, after a few rounds, from which a start is given up: an optimum there would
 be as likely as one in twenty."""
@@ -261,6 +264,12 @@ def spread_of_maps(gauge: Gauge) -> list[tuple[float, Rows]]:
     ]
 
 
+def alike(rows: Rows, other: Rows) -> bool:
+    """Return whether two maps are about the same, their size aside."""
+    cosine = (rows * other).sum() / (np.linalg.norm(rows) * np.linalg.norm(other))
+    return bool(cosine > np.cos(ALIKE))
+
+
 def _believed(
     cues: Sequence[Cue], families: Sequence[Sequence[Rows]], move: Move, rounds: int = ROUNDS
 ) -> tuple[list[tuple[float, Rows]], list[Cue]]:
@@ -287,15 +296,9 @@ def _optima(
     optima: list[tuple[float, Rows]] = []
     for cost, rows in found:
         # Those that lag far behind will not catch up, and those beside an optimum lead there.
-        if cost < found[0][0] + LAGGING and not any(_alike(rows, other) for _, other in optima):
+        if cost < found[0][0] + LAGGING and not any(alike(rows, other) for _, other in optima):
             optima.append(improved(cues, rows, move, rounds))
     return sorted(optima, key=lambda each: each[0])
-
-
-def _alike(rows: Rows, other: Rows) -> bool:
-    """Return whether two maps are about the same, their size aside."""
-    cosine = (rows * other).sum() / (np.linalg.norm(rows) * np.linalg.norm(other))
-    return bool(cosine > np.cos(ALIKE))
 
 
 def _scale(cue: Cue, rows: Rows) -> float:

@@ -54,6 +54,7 @@ def photometric_stereo(
     positions: Float[np.ndarray, "F 3"] | None = None,
     strengths: Float[np.ndarray, "F"] | None = None,
     normals_known: Float[np.ndarray, "H W 3"] | None = None,
+    directions_known: Float[np.ndarray, "F 3"] | None = None,
     symmetric: bool = False,
     saturated: Bool[np.ndarray, "F H W"] | None = None,
     smoothness: float | None = None,
@@ -90,6 +91,9 @@ def photometric_stereo(
     normals_known
         For "refined": normals measured at a few pixels, zero vectors elsewhere. Of more than 300,
         so many are used, spread over all.
+    directions_known
+        For "refined" where each image has one lamp: unit directions to those that were measured,
+        zero vectors for the others.
     symmetric
         For "refined": whether the object is symmetric about the vertical line through the middle
         of its mask.
@@ -114,9 +118,11 @@ def photometric_stereo(
     ------
     ArgumentError
         On an unknown method, arguments that it cannot use, too few images, images alike, an empty
-        mask, NaN, light of the wrong number, or if everything is saturated.
+        mask, NaN, light of the wrong number, if everything is saturated, or if directions are known
+        but the images show more light than one lamp's.
     """
-    _check_method(method, light, positions, strengths, normals_known, symmetric, smoothness)
+    known = normals_known is not None or directions_known is not None or symmetric
+    _check_method(method, light, positions, strengths, known, smoothness)
     rng = checks.generator(rng)
     stack = image_stack(images, mask, minimum=FEWEST_IMAGES[method], saturated=saturated)
     stack = replace(stack, values=stack.values.astype(np.float64, copy=False))
@@ -132,6 +138,7 @@ def photometric_stereo(
             found = refined(
                 stack,
                 known_normals=_known_normals(normals_known, stack.mask),
+                directions=_known_directions(directions_known, len(stack.values)),
                 symmetric=symmetric,
                 smoothness=smoothness,
                 rng=rng,
@@ -149,8 +156,7 @@ def _check_method(
     light: object,
     positions: object,
     strengths: object,
-    normals: object,
-    symmetric: bool,
+    surface_known: bool,
     smoothness: float | None,
 ) -> None:
     if method not in FEWEST_IMAGES:
@@ -172,9 +178,10 @@ def _check_method(
         )
     if smoothness is not None and positions is not None:
         raise ArgumentError("smoothness serves distant light only, but positions are given")
-    if method != "refined" and (normals is not None or symmetric):
+    if method != "refined" and surface_known:
         raise ArgumentError(
-            f"normals_known and symmetric serve the method 'refined' only, got {method!r}"
+            "normals_known, directions_known and symmetric serve the method 'refined' only, got "
+            f"{method!r}"
         )
 
 
@@ -269,10 +276,26 @@ def _known_normals(
         )
     inside = normals[mask]
     pixels = np.flatnonzero((inside != 0).any(axis=1))
-    if len(pixels) < 2:
-        raise ArgumentError(
-            f"normals_known must hold at least 2 normals within the mask, got {len(pixels)}"
-        )
+    if not len(pixels):
+        raise ArgumentError("normals_known must hold a normal within the mask, but all are zero")
     normals = checks.unit_vectors("normals_known", inside[pixels])
     some = np.linspace(0, len(pixels) - 1, min(len(pixels), MOST_KNOWN)).astype(int)
     return pixels[some], normals[some]
+
+
+def _known_directions(
+    directions: Float[np.ndarray, "F 3"] | None, images: int
+) -> Float[np.ndarray, "F 3"] | None:
+    if directions is None:
+        return None
+    directions = checks.vectors("directions_known", directions).astype(np.float64)
+    if directions.shape != (images, 3):
+        raise ArgumentError(
+            f"directions_known must hold a row for each of the {images} images, zero where it is "
+            f"not known, got {directions.shape}"
+        )
+    known = directions.any(axis=1)
+    if not known.any():
+        raise ArgumentError("directions_known must hold a direction, but all are zero")
+    checks.unit_vectors("directions_known", directions[known])
+    return directions

@@ -25,6 +25,7 @@ from harmface.stereo.cues import (
     Facing,
     Highlights,
     Integrability,
+    KnownDirections,
     LightMetric,
     MeasuredNormals,
     Rim,
@@ -37,6 +38,7 @@ from harmface.stereo.cues import (
 )
 from harmface.stereo.factorization import leading_dimensions
 from harmface.stereo.gauge import (
+    CONCAVE,
     Gauge,
     Move,
     bas_reliefs,
@@ -102,8 +104,6 @@ SETTLED = 0.03
 """Departure from a rotation, from one time to the next, below which the map is settled: a degree
 and a half."""
 
-CONCAVE = np.diag([-1.0, -1.0, 1.0])
-
 ISOMETRY = 0.1
 SURE_ISOMETRY = 0.02
 """Most and least departure from a rotation that light which is not quite uniform may cause."""
@@ -138,10 +138,13 @@ class Knowledge:
         Normals at some pixels.
     symmetric
         Whether it is symmetric about the middle column of its mask.
+    directions
+        Unit directions to the lamps of the images, zero where they are not known.
     """
 
     measured: Measured | None = None
     symmetric: bool = False
+    directions: Float[np.ndarray, "F 3"] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,6 +294,12 @@ def cues_of(
     if has_one_point(found.model):
         lamps = found.model.points(found.light)[:, 0]
         cues += [Strengths.of(lamps, lit.mean(axis=1)), DiffuseMaxima.of(seen, lamps)]
+        if knowledge.directions is not None:
+            every = np.linspace(0, len(knowledge.directions) - 1, len(lamps)).astype(int)
+            known = knowledge.directions[every].any(axis=1)
+            if known.any():
+                directions, share = knowledge.directions[every][known], lit.mean(axis=1)[known]
+                cues.append(KnownDirections(lamps[known], directions, share / share.mean()))
         if is_single(found.model):
             shown = (predicted > 0) & (stack.usable | ~stack.seen)
             cues.append(Highlights.of(seen, lamps, stack.values - predicted, shown))
@@ -325,7 +334,7 @@ def _families(
     unit = found.b / np.maximum(np.linalg.norm(found.b, axis=1, keepdims=True), 1e-12)
     inflated = np.linalg.lstsq(unit, inflated_normals(stack.mask), rcond=None)[0].T
     starts = [integrability.best_rows(rng)[0], inflated]
-    if any(isinstance(cue, MeasuredNormals) for cue in cues):
+    if any(isinstance(cue, MeasuredNormals | KnownDirections) for cue in cues):
         starts += [CONCAVE @ rows for rows in starts]
     return [bas_reliefs(rows, found.b) for rows in starts]
 

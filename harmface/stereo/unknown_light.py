@@ -14,13 +14,20 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_erosion
 
+from harmface.errors import ArgumentError
 from harmface.stereo.coarse import coarse_factor, coarse_stack, nearest_blocks, spread_over
-from harmface.stereo.cues import Rim, outline_of
+from harmface.stereo.cues import KnownDirections, MeasuredNormals, Rim, outline_of
 from harmface.stereo.factorization import chunks, factorize, interleaved
-from harmface.stereo.gauge import Gauge, spread_of_maps
+from harmface.stereo.gauge import CONCAVE, Gauge, alike, spread_of_maps
 from harmface.stereo.harmonic import EXACT, exact_second_order, first_order, second_order
 from harmface.stereo.homogeneous import directions_of, scaled_normal_images
-from harmface.stereo.light_models import HarmonicLight, Mapped, PointLights, is_single
+from harmface.stereo.light_models import (
+    HarmonicLight,
+    Mapped,
+    PointLights,
+    has_one_point,
+    is_single,
+)
 from harmface.stereo.lorentz import fit_null_cone
 from harmface.stereo.result import Recovered
 from harmface.stereo.stack import ImageStack
@@ -44,6 +51,7 @@ def refined(
     stack: ImageStack,
     *,
     known_normals: tuple[Int[np.ndarray, "k"], Float[np.ndarray, "k 3"]] | None,
+    directions: Float[np.ndarray, "F 3"] | None,
     symmetric: bool,
     smoothness: float | None,
     rng: np.random.Generator,
@@ -59,6 +67,8 @@ def refined(
         Photographs in float64.
     known_normals
         Columns of the stack at which normals were measured, and these.
+    directions
+        Unit directions to the lamps, zero where they are not known.
     symmetric, smoothness
         As in `photometric_stereo`.
     rng
@@ -70,7 +80,7 @@ def refined(
     factor = coarse_factor(stack.mask)
     coarse = coarse_stack(stack, factor)
     coarse = replace(coarse, values=coarse.values / unit)
-    knowledge = Knowledge(symmetric=symmetric)
+    knowledge = Knowledge(symmetric=symmetric, directions=directions)
     if known_normals is not None:
         columns, normals = known_normals
         pixels = ImageStack(
@@ -82,6 +92,11 @@ def refined(
         near = nearest_blocks(columns, stack.mask, coarse.mask, factor)
         knowledge = replace(knowledge, measured=Measured(pixels, near, normals))
     found, gauge = explain(coarse, knowledge, rng)
+    if directions is not None and not has_one_point(found.model):
+        raise ArgumentError(
+            "directions_known are those of one lamp an image, but these images show several; leave "
+            "directions_known out"
+        )
     progress(0.6)
     found = replace(found, light=found.light * unit, residual=found.residual * unit)
     if factor == 1:
@@ -101,7 +116,7 @@ def refined(
         smooth = of_one_surface(stack, model, light, b, weights, smoothness)
         noise = smoothed_noise(noise, b, smooth, stack.mask)
         b = smooth
-    convex, how = _convex(b, stack.mask, gauge, known_normals is not None)
+    convex, how = _convex(b, stack.mask, gauge)
     lamps = None
     if is_single(found.model):
         lamps = found.light @ np.linalg.inv(gauge.rows) * (convex, convex, 1)
@@ -166,7 +181,7 @@ def harmonic(
     model = HarmonicLight(order)
     light = harmonic_light(stack.values, b, order)
     noise = noise_error(stack.values, model, light, b, np.broadcast_to(1.0, stack.values.shape))
-    convex, how = _convex(b, stack.mask, found.gauge, False)
+    convex, how = _convex(b, stack.mask, found.gauge)
     numbers = spread_over(found.numbers, space.structure, structure)
     recovered = _recovered(
         ("4d", "9d")[order - 1],
@@ -242,7 +257,7 @@ def harmonic_light(
 
 
 def _convex(
-    b: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], gauge: Gauge, measured: bool
+    b: Float[np.ndarray, "p 3"], mask: Bool[np.ndarray, "H W"], gauge: Gauge
 ) -> tuple[float, str]:
     """Return the sign of x and y that makes the surface convex, and what decided.
 
@@ -250,10 +265,15 @@ def _convex(
     outline normals lean outwards; where the border of the mask is none, it is made to lean so, as
     that of most objects does.
     """
-    if measured:
-        return 1.0, "known normals"
+    believed = {belief.name for belief in gauge.beliefs if belief.accepted}
+    for measured in (MeasuredNormals.name, KnownDirections.name):
+        # One that points at the camera does not tell.
+        if measured in believed and not any(
+            alike(CONCAVE @ rows, gauge.rows) for _, rows in gauge.rivals
+        ):
+            return 1.0, measured
     n = directions_of(b)
-    if any(belief.accepted and belief.name == Rim.name for belief in gauge.beliefs):
+    if Rim.name in believed:
         outline = outline_of(mask)
         lean, how = (n[outline.pixels, :2] * outline.outward).sum(), "outline"
     else:

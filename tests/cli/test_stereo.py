@@ -124,6 +124,25 @@ def test_what_a_channel_clips_is_left_out(run, capture, tmp_path):
     assert "observations are saturated: expose less" in outcome.out
 
 
+def test_measured_normals_and_lamps_decide_what_photographs_leave_open(
+    run, check_refused, capture, tmp_path
+):
+    """Measured as those of the concave counterpart, they make the ball concave."""
+    lights = np.loadtxt(capture / "light_directions.txt")
+    (tmp_path / "one.txt").write_text("# column row x y z\n20 12 0 -0.5 1\n")
+    run("stereo", "ball", "--normals-known", "one.txt", "--out", "normals")
+    summary = json.loads((tmp_path / "normals" / "summary.json").read_text())
+    assert summary["convexity"] == "known normals"
+    lines = [f"{k + 1} {-lights[k, 0]} {-lights[k, 1]} {lights[k, 2]}" for k in (0, 3)]
+    (tmp_path / "two.txt").write_text("\n".join(lines))
+    run("stereo", "ball", "--directions-known", "two.txt", "--out", "lamps")
+    summary = json.loads((tmp_path / "lamps" / "summary.json").read_text())
+    assert summary["convexity"] == "known directions"
+    assert lamps_off(summary, lights * (-1, -1, 1)) < 3
+    refused = ("stereo", "ball", "--out", "none", "--method", "4d")
+    check_refused("serve the method 'refined' only", *refused, "--normals-known", "one.txt")
+
+
 def lamps_off(summary, lights):
     found = np.array(summary["lamp_directions"])
     return np.degrees(np.arccos(np.clip((found * lights).sum(axis=1), -1, 1))).max()

@@ -21,6 +21,8 @@ from harmface.io import (
     read_gallery,
     read_image,
     read_lights,
+    read_measured_directions,
+    read_measured_normals,
     read_mesh,
     read_probe_grid,
 )
@@ -68,6 +70,14 @@ def _read_all(path: Path) -> Any:
 
 def _read_five_lights(path: Path) -> Any:
     return read_lights(path, 5)
+
+
+def _read_normals_of_twenty(path: Path) -> Any:
+    return read_measured_normals(path, (4, 5))
+
+
+def _read_directions_of_five(path: Path) -> Any:
+    return read_measured_directions(path, 5)
 
 
 def _choose(path: Path) -> Any:
@@ -185,6 +195,12 @@ READERS: dict[str, Reader] = {
         _read_five_lights,
         (b"#", b";", b"1e200 1e200 1e200\n", b"inf ", b"1j "),
         odd=odd.lights,
+    ),
+    "measured normals": Reader(
+        seeds.measured_normals, _read_normals_of_twenty, (b"#", b";", b"1e200", b"inf ", b"-")
+    ),
+    "measured directions": Reader(
+        seeds.measured_directions, _read_directions_of_five, (b"#", b";", b"1e200", b"inf ", b"-")
     ),
     "gallery list": Reader(seeds.listed, _choose, (b"\x00", b"/", b"..", b"\n", b"a/1.png\n")),
 }

@@ -295,6 +295,14 @@ def lights() -> list[Files]:
     return [{"lights.txt": text} for text in texts]
 
 
+def measured_normals() -> list[Files]:
+    return [{"normals.txt": b"# column row x y z\n1 2 0 0 1\n2 3 .6 0 .8\n4 0 0 -.6 .8\n"}]
+
+
+def measured_directions() -> list[Files]:
+    return [{"lamps.txt": b"# number x y z\n1 0 0 1\n5 0 .6 .8\n3 -.6 0 .8\n"}]
+
+
 def listed() -> list[Files]:
     picture = by_pillow(GREY, "PNG")
     names = ("a/1.png", "a/2.png", "b/1.png", "b/2.png")

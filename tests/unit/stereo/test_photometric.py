@@ -278,6 +278,32 @@ def test_known_normals_decide_convexity_and_symmetry_is_used(ball, photographs):
     assert "symmetry" in {told.name for told in symmetric.report.cues}
 
 
+def test_directions_of_some_lamps_decide_convexity_and_the_map(ball, photographs, single_lights):
+    sheared = photographs * np.exp(np.random.default_rng(1).normal(0, 0.5, (24, 1, 1)))
+    directions = single_lights / np.linalg.norm(single_lights, axis=1, keepdims=True)
+    few = np.zeros((24, 3))
+    few[[2, 9, 17, 20]] = directions[[2, 9, 17, 20]] * (-1, -1, 1)
+    result = photometric_stereo(sheared, ball.mask, directions_known=few)
+    assert result.report.convexity == "known directions"
+    concave = angular_errors(result.normals[ball.mask], ball.normals * (-1, -1, 1))
+    assert concave.mean() < 1
+    found = result.lamps / np.linalg.norm(result.lamps, axis=1, keepdims=True)
+    assert angular_errors(found[few.any(axis=1)], few[few.any(axis=1)]).max() < 2
+    # A lamp beside the camera tells the tilt of the surface, but not whether it is convex.
+    front = np.zeros((24, 3))
+    front[np.argmax(directions[:, 2])] = (0, 0, 1)
+    result = photometric_stereo(sheared, ball.mask, directions_known=front)
+    assert result.report.convexity == "outline"
+    assert "known directions" in {told.name for told in result.report.cues if told.accepted}
+
+
+def test_directions_of_one_lamp_do_not_fit_several(ball, photographs):
+    room = photographs + np.roll(photographs, 7, axis=0) + np.roll(photographs, 11, axis=0)
+    front = np.tile([0.0, 0.0, 1.0], (24, 1))
+    with pytest.raises(ArgumentError, match="one lamp an image, but these images show"):
+        photometric_stereo(room, ball.mask, directions_known=front)
+
+
 def test_known_normals_are_columns_spread_over_all(rng):
     mask = rng.random((40, 40)) < 0.8
     normals = np.zeros((40, 40, 3))
@@ -358,7 +384,14 @@ def known(**given):
         (lambda i, m: {"method": "known-lights", "light": np.ones((24, 5))}, "square"),
         (lambda i, m: {"method": "known-lights", "light": np.full((24, 3), np.nan)}, "finite"),
         (lambda i, m: {"normals_known": np.zeros((3, 3, 3))}, "normals_known must have"),
-        (lambda i, m: {"normals_known": np.zeros((*m.shape, 3))}, "at least 2 normals"),
+        (lambda i, m: {"normals_known": np.zeros((*m.shape, 3))}, "a normal within the mask"),
+        (lambda i, m: {"directions_known": np.zeros((24, 3))}, "but all are zero"),
+        (lambda i, m: {"directions_known": np.ones((3, 3))}, "each of the 24 images"),
+        (lambda i, m: {"directions_known": np.ones((24, 3))}, "unit vectors"),
+        (
+            lambda i, m: {"directions_known": np.eye(24)[:, :3], "method": "9d"},
+            "directions_known and symmetric serve the method 'refined' only, got '9d'",
+        ),
         (lambda i, m: {"normals_known": np.ones((*m.shape, 3))}, "unit vectors"),
         (lambda i, m: {"rng": "seed"}, "rng"),
     ],
