@@ -7,6 +7,7 @@ process left is told from what is in use, and removed by the next command.
 """
 
 import contextlib
+import logging
 import os
 import secrets
 import stat
@@ -22,6 +23,8 @@ try:
     import fcntl
 except ImportError:  # Windows has no such locks: there nobody is kept out.
     fcntl = None  # type: ignore[assignment]
+
+LOG = logging.getLogger(__name__)
 
 HIDDEN = ".harmface-"
 """How the names of all files begin that are no output."""
@@ -66,6 +69,7 @@ def atomic_write(path: Path | str) -> Iterator[IO[bytes]]:
                 os.fsync(descriptor)
             temporary.replace(target)
             _sync_folder(target.parent)
+        LOG.info("wrote %s", path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise

@@ -33,7 +33,7 @@ def read_coefficients(path: Path | str) -> Float[np.ndarray, "channels K"]:
         reason = "it has no coefficients" if isinstance(error, KeyError) else excerpt(error)
         raise FileError(
             f"{path}: holds no lighting coefficients ({reason}); "
-            "make it with `harmface envmap project --json`"
+            "make it with `harmface envmap project --out`"
         ) from None
     return coefficients
 

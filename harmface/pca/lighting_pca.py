@@ -42,7 +42,7 @@ class LightingPCA:
     expansion: Float[np.ndarray, "modes K"]
 
     @property
-    def degree(self) -> int:
+    def max_degree(self) -> int:
         """Highest degree of the harmonics."""
         return max_degree_of(len(self.eigenvalues))
 

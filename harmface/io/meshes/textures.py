@@ -141,7 +141,7 @@ class Textures:
             if path.suffix.lower() == ".exr":
                 codes = _coloured(read_exr(path, max_pixels=self._left))
             else:
-                picture = read_picture(path, self._left, opaque=False)
+                picture = read_picture(path, self._left)
                 self.notes += picture.notes
                 deep = picture.codes.dtype.itemsize > 2 and picture.codes.dtype.kind != "f"
                 codes = _coloured(picture.values(srgb=False) if deep else picture.codes)
