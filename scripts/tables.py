@@ -5,6 +5,7 @@ is the `results.json` of `harmface reproduce`.
 """
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,7 @@ def claims(found: dict[str, Any]) -> str:
     return markdown(("claim", "source", "published", "measured", "verdict"), rows)
 
 
-def markdown(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def markdown(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """Return a table in Markdown; bars in cells are escaped."""
     lines = [head, ("---",) * len(head), *rows]
     cells = [[cell.replace("|", r"\|") for cell in line] for line in lines]

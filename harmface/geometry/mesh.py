@@ -2,12 +2,19 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Integer
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.geometry.exchange import (
+    parts_of_pyvista,
+    parts_of_trimesh,
+    pyvista_of,
+    trimesh_of,
+)
 from harmface.geometry.rays import RayCaster, used_vertices
 from harmface.geometry.texture import Texture
 from harmface.geometry.two_sided import one_side, same_places
@@ -91,6 +98,85 @@ class Mesh:
     def flipped(self) -> "Mesh":
         """Return the mesh turned inside out: normals point the other way, faces run round it."""
         return replace(self, faces=self.faces[:, ::-1], normals=-self.normals)
+
+    @classmethod
+    def from_trimesh(cls, mesh: Any) -> "Mesh":
+        """Make a mesh from a `trimesh.Trimesh`.
+
+        Parameters
+        ----------
+        mesh
+            Triangles, y up, facing +z. Vertex colours are taken as linear; without them, and with
+            a texture, albedo is 1.
+
+        Returns
+        -------
+        Mesh
+            With the same vertices and faces in the same order, float64.
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> Mesh.from_trimesh(trimesh.creation.box()).faces.shape
+        (12, 3)
+        """
+        return cls._from_parts(*parts_of_trimesh(mesh))
+
+    def to_trimesh(self) -> Any:
+        """Return the mesh as a `trimesh.Trimesh`.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            `from_trimesh` gives the same mesh back, less its texture.
+        """
+        return trimesh_of(self)
+
+    @classmethod
+    def from_pyvista(cls, mesh: Any) -> "Mesh":
+        """Make a mesh from a `pyvista.PolyData`.
+
+        Parameters
+        ----------
+        mesh
+            A surface, y up, facing +z; polygons are cut into triangles. Albedo is its point array
+            "albedo", linear in [0, 1], or "RGB" of 8 bits, or else 1.
+
+        Returns
+        -------
+        Mesh
+            With the same points in the same order, float64.
+
+        Examples
+        --------
+        >>> import pyvista
+        >>> Mesh.from_pyvista(pyvista.Plane(i_resolution=2, j_resolution=3)).faces.shape
+        (12, 3)
+        """
+        return cls._from_parts(*parts_of_pyvista(mesh))
+
+    def to_pyvista(self) -> Any:
+        """Return the mesh as a `pyvista.PolyData`.
+
+        Returns
+        -------
+        pyvista.PolyData
+            `from_pyvista` gives the same mesh back, less its texture.
+        """
+        return pyvista_of(self)
+
+    @classmethod
+    def _from_parts(
+        cls,
+        vertices: Float[np.ndarray, "V 3"],
+        faces: Integer[np.ndarray, "F 3"],
+        normals: Float[np.ndarray, "V 3"] | None,
+        albedo: Float[np.ndarray, "V 3"] | None,
+    ) -> "Mesh":
+        """Make a mesh, with normals computed and albedo 1 where there are none."""
+        normals = vertex_normals(vertices, faces) if normals is None else normals
+        albedo = np.ones_like(vertices) if albedo is None else np.asarray(albedo, np.float64)
+        return cls(vertices, faces, normals, albedo)
 
 
 def checked_faces(

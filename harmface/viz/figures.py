@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
 
 from harmface import checks
@@ -32,7 +33,7 @@ class NotebookFigure(Figure):
         return figure_bytes(self)
 
 
-def colour_bar(axes: Axes, shown: ScalarMappable, label: str) -> None:
+def colour_bar(axes: Axes, shown: ScalarMappable, label: str) -> Colorbar:
     """Draw a colour bar beside a picture.
 
     Parameters
@@ -43,12 +44,18 @@ def colour_bar(axes: Axes, shown: ScalarMappable, label: str) -> None:
         The picture, as `imshow` returns it.
     label
         What the colours mean, with its unit.
+
+    Returns
+    -------
+    matplotlib.colorbar.Colorbar
+        The bar.
     """
     inset = axes.inset_axes((1.03, 0.0, 0.05, 1.0))
     bar = axes.figure.colorbar(shown, cax=inset)
     bar.ax.tick_params(labelsize=6, length=2)
     bar.set_label(label, fontsize=7)
     bar.outline.set_linewidth(0.4)
+    return bar
 
 
 def figure_bytes(figure: Figure, kind: str = "png", dpi: int | None = None) -> bytes:

@@ -67,7 +67,10 @@ def basis_figure(images: Float[np.ndarray, "K H W"], mask: Bool[np.ndarray, "H W
         if vanishing[degree]:
             axes.text(
                 *(0.5, 0.5, "zero"),
-                ha="center", va="center", fontsize=7, color="white",
+                ha="center",
+                va="center",
+                fontsize=7,
+                color="white",
                 transform=axes.transAxes,
             )
         elif order == degree:

@@ -39,8 +39,8 @@ def modes_figure(
             scale = np.percentile(np.abs(mode[mask]), 99.5) or 1.0
             shown = axes.imshow(np.where(mask, mode, 0), cmap="gray", vmin=-scale, vmax=scale)
             if column == len(modes) - 1:
-                colour_bar(axes, shown, "mode / its 99.5th percentile")
-                shown.colorbar.set_ticks([-scale, 0, scale], labels=["−1", "0", "1"])
+                bar = colour_bar(axes, shown, "mode / its 99.5th percentile")
+                bar.set_ticks([-scale, 0, scale], labels=["−1", "0", "1"])
             axes.set(xticks=[], yticks=[])
             axes.set_title(f"{fractions[name][column]:.1%} of variance", fontsize=8, pad=3)
             if column == 0:

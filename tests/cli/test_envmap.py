@@ -5,7 +5,7 @@ import OpenEXR
 import pytest
 from PIL import Image
 
-from harmface.io import read_environment_map, read_image, write_environment_map, write_image
+from harmface.io import read_environment_map, read_image, write_environment_map
 from harmface.light import EnvironmentMap, cone, project, published_probe
 from harmface.light.layouts import layout_named
 from harmface.sphere import synthesize

@@ -394,7 +394,7 @@ def test_what_is_transparent_is_laid_on_black_in_linear_light(tmp_path):
     assert np.array_equal(found[1], whole[1])
 
 
-def test_opacity_goes_with_a_picture(tmp_path, rng):
+def test_opacity_goes_with_a_picture(tmp_path, rng, unchecked):
     opacity = np.array([[0, 0.2, 0.6, 1.0]])
     image = rng.uniform(0.1, 0.9, (1, 4, 3)) * opacity[..., None]
     for bits, srgb, tolerance in ((8, True, 0.008), (16, False, 3e-5)):
@@ -449,7 +449,7 @@ def test_what_is_written_is_read_without_being_told_how(tmp_path, name, bits):
     image = np.stack([y, x, 0.5 * (x + y)], axis=-1)
     write_image(tmp_path / name, image, bits=bits, srgb=True)
     np.testing.assert_allclose(
-        read_image(tmp_path / name), image, atol=0.03 if name == "a.jpg" else 0.006
+        read_image(tmp_path / name), image, atol=0.04 if name == "a.jpg" else 0.006
     )
     with Image.open(tmp_path / name) as picture:
         says = picture.info if name == "a.png" else picture.getexif().get_ifd(0x8769)

@@ -57,9 +57,7 @@ def test_the_ending_says_the_format(tmp_path, name, start):
 
 def test_dots_per_inch():
     figure = spectrum_figure({"ours": [0.5, 0.2]})
-    small, large = (
-        Image.open(BytesIO(figure_bytes(figure, dpi=dpi))).size[0] for dpi in (50, 200)
-    )
+    small, large = (Image.open(BytesIO(figure_bytes(figure, dpi=dpi))).size[0] for dpi in (50, 200))
     assert large == pytest.approx(4 * small, rel=0.02)
 
 
