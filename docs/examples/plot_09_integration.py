@@ -3,7 +3,8 @@ From normals to depth
 =====================
 
 Two methods on the exact normals of a vase: Frankot and Chellappa's projection onto integrable
-slopes, which assumes a periodic picture, and least squares inside the mask.
+slopes, whose slopes are zero outside the mask, which bends the silhouette, and least squares inside
+the mask.
 """
 
 import numpy as np

@@ -91,12 +91,34 @@ class Mesh:
         return np.stack([used.min(axis=0), used.max(axis=0)])
 
     def rotated(self, rotation: Float[np.ndarray, "3 3"]) -> "Mesh":
-        """Return the mesh turned about the origin: `R v` for every vertex and normal."""
+        """Return the mesh turned about the origin: `R v` for every vertex and normal.
+
+        Parameters
+        ----------
+        rotation
+            Rotation matrix, shape (3, 3).
+
+        Returns
+        -------
+        Mesh
+            With the same faces, albedo and texture.
+
+        Raises
+        ------
+        ArgumentError
+            If `rotation` is no rotation matrix.
+        """
         rotation = checks.rotation("rotation", rotation)
         return replace(self, vertices=self.vertices @ rotation.T, normals=self.normals @ rotation.T)
 
     def flipped(self) -> "Mesh":
-        """Return the mesh turned inside out: normals point the other way, faces run round it."""
+        """Return the mesh turned inside out: normals point the other way, faces run round it.
+
+        Returns
+        -------
+        Mesh
+            With the same vertices, albedo and texture.
+        """
         return replace(self, faces=self.faces[:, ::-1], normals=-self.normals)
 
     @classmethod
@@ -213,6 +235,16 @@ def vertex_normals(
         Counter-clockwise triangles.
     position
         As `same_places` returns it for the vertices; found if not given.
+
+    Returns
+    -------
+    numpy.ndarray
+        Outward unit normals, shape (V, 3), in the precision of `vertices`.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no face, an index has no vertex, or a position is not finite.
     """
     vertices = checks.finite("vertices", checks.vectors("vertices", vertices))
     faces = checked_faces(faces, len(vertices))

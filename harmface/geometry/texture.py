@@ -65,6 +65,11 @@ class TextureImage:
         footprint
             How many pixels of the picture a sample stands for, along a side: blocks of the
             nearest power of two are averaged. One if not given.
+
+        Returns
+        -------
+        numpy.ndarray
+            Linear RGB in [0, 1], shape (N, 3), float64.
         """
         if footprint is None:
             return self._bilinear(0, uv)
@@ -173,6 +178,11 @@ class Texture:
         footprint
             Side of the area that each point stands for, in units of the unit square of texture
             coordinates; none if not given.
+
+        Returns
+        -------
+        numpy.ndarray
+            Linear RGB in [0, 1], shape (N, 3).
         """
         uv = np.einsum("nc,nci->ni", weights, self.uv[corners])
         found = np.einsum("nc,nci->ni", weights, self.tint[corners])

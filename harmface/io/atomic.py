@@ -40,6 +40,11 @@ def atomic_write(path: Path | str) -> Iterator[IO[bytes]]:
         The file to make or replace; its folder must exist. Of a symbolic link, what it points to
         is replaced.
 
+    Yields
+    ------
+    file
+        Open for writing in binary.
+
     Raises
     ------
     FileError
@@ -103,6 +108,11 @@ def claim(path: Path | str) -> Iterator[None]:
     ----------
     path
         A file to be written, whose folder exists, or a folder that exists.
+
+    Yields
+    ------
+    None
+        While the block runs, others are kept out.
 
     Raises
     ------

@@ -104,6 +104,11 @@ def read_capture(
     report
         Told the fraction of the photographs that have been read.
 
+    Returns
+    -------
+    Capture
+        Photographs, mask, lights and truth, as far as there are such.
+
     Raises
     ------
     FileError
@@ -145,6 +150,16 @@ def read_capture(
 
 def read_mask(path: Path | str) -> Bool[np.ndarray, "H W"]:
     """Read a mask: True where an image is at least half as bright as at its brightest.
+
+    Parameters
+    ----------
+    path
+        A picture that `read_image` reads; what it says of its encoding does not matter.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (H, W), bool.
 
     Raises
     ------

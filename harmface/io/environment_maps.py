@@ -69,6 +69,11 @@ def read_environment_map(
     max_pixels
         Largest picture read.
 
+    Returns
+    -------
+    EnvironmentMap
+        Linear radiance, channels first.
+
     Raises
     ------
     FileError
@@ -112,6 +117,11 @@ def file_layout(layout: str, frame: str | None = None) -> Layout:
         "latlong", "angular", "mirror-ball" or "cube".
     frame
         Whose convention the file follows, see `conventions.MAP_FRAMES`.
+
+    Returns
+    -------
+    Layout
+        Of the file's pixels.
     """
     if layout == "angular" and frame in (None, "rh01"):
         return RH01Probe()

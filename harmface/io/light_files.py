@@ -97,6 +97,11 @@ def read_lights(
     positions
         Whether x y z are places of lamps, whose lengths mean something.
 
+    Returns
+    -------
+    Lights
+        One for each image, in their order.
+
     Raises
     ------
     FileError

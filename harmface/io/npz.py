@@ -67,6 +67,20 @@ def read_npz(
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Return the arrays and attributes of a file that `write_npz` made.
 
+    Parameters
+    ----------
+    path
+        A file of `write_npz`.
+    kind
+        What it must hold.
+    version
+        Version of that kind that it must be.
+
+    Returns
+    -------
+    tuple
+        Arrays by name, and attributes by name.
+
     Raises
     ------
     FileError

@@ -62,10 +62,20 @@ class ProbeGrid:
 
         A point outside the grid has the light of the nearest point on its surface.
 
+        Parameters
+        ----------
+        points
+            Positions in the unit of `spacing`, shape (..., 3).
+
         Returns
         -------
         numpy.ndarray
             `(*points, *channels, K)`.
+
+        Raises
+        ------
+        ArgumentError
+            If a position is not finite or the last axis is not of three.
         """
         points = checks.finite("points", checks.vectors("points", points))
         limits = np.array(self.coefficients.shape[:3]) - 1
@@ -122,10 +132,20 @@ class ScatteredProbes:
 
         A point outside all of them has the light of the nearest probe.
 
+        Parameters
+        ----------
+        points
+            Positions in the unit of `positions`, shape (..., 3).
+
         Returns
         -------
         numpy.ndarray
             `(*points, *channels, K)`.
+
+        Raises
+        ------
+        ArgumentError
+            If a position is not finite or the last axis is not of three.
         """
         points = checks.finite("points", checks.vectors("points", points))
         flat = points.reshape(-1, 3)

@@ -44,6 +44,16 @@ class AnalyticPCA(LightingPCA):
         ----------
         count
             How many, at most the number of eigenvalues above zero.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (count, *pixels), of unit length over the weighted pixels.
+
+        Raises
+        ------
+        ArgumentError
+            If `count` is below 1 or more than there are.
         """
         count = checks.positive_integer("count", count)
         if count > len(self.expansion):
@@ -91,6 +101,11 @@ def analytic_pca(
         Highest degree of the harmonics.
     subtract_mean
         Whether components are about the mean image, or else about black.
+
+    Returns
+    -------
+    AnalyticPCA
+        Eigenvalues in falling order, as many as there are harmonics that a surface reflects.
 
     Raises
     ------

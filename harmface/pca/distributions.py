@@ -80,6 +80,11 @@ def uniform_lights(max_degree: int) -> LightDistribution:
     max_degree
         Highest degree of the coefficients.
 
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of radiance coefficients.
+
     Examples
     --------
     >>> (4 * np.pi * uniform_lights(1).covariance).round(12)
@@ -109,6 +114,16 @@ def cone_lights(
         Angle between the axis and the cone's surface, degrees in (0, 180].
     axis
         Unit vector towards the middle of the lights; by default the viewer.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of radiance coefficients.
+
+    Raises
+    ------
+    ArgumentError
+        If `max_degree` is negative, the angle outside (0, 180], or the axis no unit vector.
     """
     max_degree = checks.degree("max_degree", max_degree)
     axis = checks.unit_vectors("axis", axis)
@@ -134,6 +149,11 @@ def front_lights(max_degree: int) -> LightDistribution:
     ----------
     max_degree
         Highest degree of the coefficients.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of radiance coefficients.
     """
     return cone_lights(max_degree, 90.0)
 
@@ -153,6 +173,11 @@ def directional_lights(
         Unit directions to the light.
     weights
         How often each is drawn, up to a factor; by default equally.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of radiance coefficients.
 
     Raises
     ------
@@ -179,6 +204,16 @@ def environment_lights(coefficients: Float[np.ndarray, "N K"]) -> LightDistribut
     ----------
     coefficients
         Harmonic coefficients of the radiance of each environment.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of the coefficients.
+
+    Raises
+    ------
+    ArgumentError
+        If the coefficients are not finite, or K is not a square.
     """
     coefficients = checks.finite("coefficients", coefficients)
     if len(coefficients) == 0:
@@ -193,6 +228,16 @@ def isotropic_lights(power: Float[np.ndarray, "degrees"]) -> LightDistribution:
     ----------
     power
         Variance `C_l` of each coefficient of degree `l`, not negative.
+
+    Returns
+    -------
+    LightDistribution
+        Zero mean, and a diagonal covariance.
+
+    Raises
+    ------
+    ArgumentError
+        If a power is negative or not finite.
     """
     power = checks.non_negative("power", power)
     if len(power) == 0:

@@ -75,6 +75,11 @@ def empirical_pca(
     subtract_mean
         Whether components are about the mean image, or else about black.
 
+    Returns
+    -------
+    EmpiricalPCA
+        Its `count` leading modes.
+
     Raises
     ------
     ArgumentError
@@ -125,6 +130,11 @@ def attached_shadow_pca(
         How many components.
     subtract_mean
         Whether components are about the mean image, or else about black.
+
+    Returns
+    -------
+    EmpiricalPCA
+        Its `count` leading modes.
 
     Raises
     ------

@@ -35,6 +35,11 @@ def harmonic_gram(
     kept
         Flat indices of the harmonics that matter, by default all; the others' products are
         left at 0, which saves their time.
+
+    Returns
+    -------
+    numpy.ndarray
+        Symmetric, shape (K, K) or (k, k) of those kept, float64.
     """
     count = harmonic_count(max_degree)
     if kept is None:

@@ -46,6 +46,11 @@ def sphere_gram(max_degree: int, measure: Measure) -> Float[np.ndarray, "K K"]:
     measure
         `"all"`, `"normals"` or `"pixels"`, see the module.
 
+    Returns
+    -------
+    numpy.ndarray
+        Symmetric, shape (K, K), float64.
+
     Examples
     --------
     >>> sphere_gram(1, "normals").round(3)
@@ -78,6 +83,16 @@ def cone_gram(max_degree: int, measure: Measure, elevation: float) -> Float[np.n
         `"all"`, `"normals"` or `"pixels"`, see the module.
     elevation
         Angle `e` of the normals above the horizontal, degrees in (-90, 90); 0 is a cylinder.
+
+    Returns
+    -------
+    numpy.ndarray
+        Symmetric, shape (K, K), float64.
+
+    Raises
+    ------
+    ArgumentError
+        If `max_degree` is negative, or there is no such measure.
     """
     max_degree = checks.degree("max_degree", max_degree)
     _check(measure)
@@ -105,6 +120,11 @@ def cylinder_gram(max_degree: int, measure: Measure) -> Float[np.ndarray, "K K"]
         Highest degree of the harmonics.
     measure
         `"all"`, `"normals"` or `"pixels"`, see the module.
+
+    Returns
+    -------
+    numpy.ndarray
+        Symmetric, shape (K, K), float64.
     """
     return cone_gram(max_degree, measure, 0.0)
 

@@ -107,6 +107,27 @@ def relight(
 def outgoing_radiance(
     radiosity: Float[np.ndarray, "..."],
 ) -> Float[np.ndarray, "..."]:
-    """Return the radiance `B / pi` that a diffuse surface of radiosity `B` sends out."""
+    """Return the radiance `B / pi` that a diffuse surface of radiosity `B` sends out.
+
+    Parameters
+    ----------
+    radiosity
+        Albedo times irradiance; any shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Radiance, in the shape and precision of `radiosity`.
+
+    Raises
+    ------
+    ArgumentError
+        If the radiosity is not finite.
+
+    Examples
+    --------
+    >>> outgoing_radiance(np.array([np.pi]))
+    array([1.])
+    """
     radiosity = checks.finite("radiosity", radiosity)
     return radiosity / np.asarray(np.pi, radiosity.dtype)

@@ -34,6 +34,15 @@ class Quadrature:
         Solid angles in steradians, shape `(J,)`; they sum to 4 pi.
     degree
         Every harmonic up to this degree is integrated exactly.
+
+    Parameters
+    ----------
+    directions
+        Unit vectors, shape (J, 3).
+    weights
+        Steradians, shape (J,); they sum to 4 pi.
+    degree
+        Degree up to which functions are integrated exactly.
     """
 
     directions: Float[np.ndarray, "J 3"]
@@ -60,6 +69,16 @@ def gauss_legendre(degree: int) -> Quadrature:
     ----------
     degree
         Degree up to which harmonics are integrated exactly, at least 0.
+
+    Returns
+    -------
+    Quadrature
+        Of `degree // 2 + 1` rows of `degree + 1` directions.
+
+    Raises
+    ------
+    ArgumentError
+        If `degree` is negative or not whole.
 
     Examples
     --------
@@ -98,6 +117,11 @@ def lebedev(degree: int) -> Quadrature:
     degree
         Degree up to which harmonics are integrated exactly, 0 to 131. The rule that is returned
         may reach further: see its `degree`.
+
+    Returns
+    -------
+    Quadrature
+        Exact up to its own degree, which may be higher.
 
     Raises
     ------

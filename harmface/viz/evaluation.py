@@ -23,6 +23,11 @@ def evaluation_figure(methods: Mapping[str, Mapping[str, Any]]) -> Figure:
         What `harmface evaluate` found of each: `subsets` of `errors`, `probes` and `interval`;
         `cumulative_match`; `roc` of `false_accepts`, `true_accepts` and `true_accepts_relative`;
         `reliability` of `claimed`, `right` and `count`, or None without probabilities.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Four panels side by side.
     """
     figure = NotebookFigure(figsize=(18, 3.9), layout="constrained")
     by_subset, by_rank, verification, trust = figure.subplots(1, 4)

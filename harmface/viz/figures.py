@@ -74,6 +74,11 @@ def figure_bytes(figure: Figure, kind: str = "png", dpi: int | None = None) -> b
     -------
     bytes
         The file.
+
+    Raises
+    ------
+    ArgumentError
+        If `dpi` is below 1.
     """
     dpi = DPI if dpi is None else checks.positive_integer("dpi", dpi)
     buffer = BytesIO()

@@ -61,6 +61,11 @@ def write_obj(
         Linear albedo in [0, 1], stored in 8 bits as sRGB, as readers of OBJ take it.
     uv
         Texture coordinates of each vertex, v upwards.
+
+    Raises
+    ------
+    FileError
+        If `path` does not end in `.obj`, or a file cannot be written.
     """
     path = Path(path)
     if len(uv) != len(mesh.vertices):
