@@ -42,6 +42,8 @@ intersphinx_mapping = (
     else {}
 )
 
+# Sources are listed whole; most are cited where a module begins.
+suppress_warnings = ["ref.citation"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 numpydoc_show_class_members = False

@@ -5,6 +5,7 @@ is the `results.json` of `harmface reproduce`.
 """
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,16 +13,32 @@ from typing import Any
 from harmface.reproduce.claims import load_claims
 from harmface.reproduce.report import numbers, published
 
-DOCS = Path(__file__).parents[1] / "docs"
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
 MEASURED, TABLES = DOCS / "measured", DOCS / "_tables"
 
 
+# A source as docstrings define it: `.. [RH01] Authors, Title, Place.`, its next lines indented.
+_SOURCE = re.compile(r"^ *\.\. \[(\w+)\] (.+\n(?: {3,}(?!\.\.)\S.*\n)*)", re.MULTILINE)
+
+
 def write_tables() -> None:
-    """Write `docs/_tables/speed.md` and `docs/_tables/claims.md`."""
+    """Write tables of speed and accuracy, and the sources that docstrings cite."""
     TABLES.mkdir(exist_ok=True)
+    (TABLES / "bibliography.txt").write_text(bibliography())
     for name, make in (("speed", speed), ("claims", claims)):
         found = json.loads((MEASURED / f"{name}.json").read_text())
         (TABLES / f"{name}.md").write_text(make(found))
+
+
+def bibliography() -> str:
+    """Return every source that a docstring defines, once, in the order of its key."""
+    sources: dict[str, str] = {}
+    for path in sorted((ROOT / "harmface").rglob("*.py")):
+        for key, text in _SOURCE.findall(path.read_text()):
+            line = " ".join(text.replace('"""', "").split())
+            sources[key] = max(sources.get(key, ""), line, key=len)
+    return "".join(f".. [{key}] {text}\n" for key, text in sorted(sources.items()))
 
 
 def speed(found: dict[str, Any]) -> str:

@@ -32,7 +32,7 @@ def directional_lights(light: DistantLight, max_degree: int) -> Float[np.ndarray
     Returns
     -------
     numpy.ndarray
-        Radiance coefficients, shape (*channels, K).
+        Radiance coefficients, shape `(*channels, K)`.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def disc(
     Returns
     -------
     numpy.ndarray
-        Radiance coefficients, shape (*channels, K).
+        Radiance coefficients, shape `(*channels, K)`.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def cone(
     Returns
     -------
     numpy.ndarray
-        Radiance coefficients, shape (*channels, K).
+        Radiance coefficients, shape `(*channels, K)`.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def hemisphere(
     Returns
     -------
     numpy.ndarray
-        Radiance coefficients, shape (*channels, K).
+        Radiance coefficients, shape `(*channels, K)`.
     """
     return cone(direction, np.pi / 2, radiance, max_degree)
 
@@ -154,7 +154,7 @@ def ambient(
     Returns
     -------
     numpy.ndarray
-        Shape (*channels, K), in the precision of `radiance`.
+        Shape `(*channels, K)`, in the precision of `radiance`.
 
     Raises
     ------

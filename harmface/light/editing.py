@@ -34,7 +34,7 @@ def set_coefficient(
     Returns
     -------
     numpy.ndarray
-        Shape (*channels, K).
+        Shape `(*channels, K)`.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def scale_coefficient(
     Parameters
     ----------
     coefficients
-        Lighting coefficients, shape (*channels, K); they are not changed.
+        Lighting coefficients, shape `(*channels, K)`; they are not changed.
     degree
         Degree `l` of the coefficient.
     order
@@ -69,7 +69,7 @@ def scale_coefficient(
     Returns
     -------
     numpy.ndarray
-        Shape (*channels, K).
+        Shape `(*channels, K)`.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def animate_coefficient(
     Returns
     -------
     numpy.ndarray
-        Shape (frames, *channels, K).
+        Shape `(frames, *channels, K)`.
 
     Raises
     ------

@@ -125,7 +125,7 @@ class EnvironmentMap:
         Returns
         -------
         numpy.ndarray
-            Shape (*pixels,) or (*pixels, channels), a view where that is possible.
+            Shape `(*pixels,)` or `(*pixels, channels)`, a view where that is possible.
 
         Raises
         ------

@@ -26,7 +26,7 @@ def transformed(
     Returns
     -------
     numpy.ndarray
-        Shape (*channels, K), in the precision of `coefficients`.
+        Shape `(*channels, K)`, in the precision of `coefficients`.
 
     References
     ----------

@@ -148,14 +148,14 @@ def windowed(
     Parameters
     ----------
     coefficients
-        Lighting coefficients, shape (*channels, K).
+        Lighting coefficients, shape `(*channels, K)`.
     window
         A weight for each degree.
 
     Returns
     -------
     numpy.ndarray
-        Shape (*channels, K).
+        Shape `(*channels, K)`.
 
     Raises
     ------

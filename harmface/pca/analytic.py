@@ -48,7 +48,7 @@ class AnalyticPCA(LightingPCA):
         Returns
         -------
         numpy.ndarray
-            Shape (count, *pixels), of unit length over the weighted pixels.
+            Shape `(count, *pixels)`, of unit length over the weighted pixels.
 
         Raises
         ------

@@ -79,7 +79,7 @@ def irradiance_matrix(
     Returns
     -------
     numpy.ndarray
-        Shape (*channels, 4, 4), in the precision of `coefficients`.
+        Shape `(*channels, 4, 4)`, in the precision of `coefficients`.
 
     Raises
     ------
@@ -145,14 +145,14 @@ def polynomial_irradiance(
     Parameters
     ----------
     coefficients
-        Radiance coefficients, shape (*channels, 9).
+        Radiance coefficients, shape `(*channels, 9)`.
     normals
-        Unit normals, shape (*pixels, 3).
+        Unit normals, shape `(*pixels, 3)`.
 
     Returns
     -------
     numpy.ndarray
-        Irradiance, shape (*channels, *pixels).
+        Irradiance, shape `(*channels, *pixels)`.
 
     Raises
     ------

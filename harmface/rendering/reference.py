@@ -59,7 +59,7 @@ def clamped_cosines(
     Returns
     -------
     numpy.ndarray
-        Shape (J, *pixels), in [0, 1].
+        Shape `(J, *pixels)`, in [0, 1].
 
     Raises
     ------
@@ -137,7 +137,7 @@ def render(
     Returns
     -------
     numpy.ndarray
-        Shape (*channels, H, W), 0 in the background; float64.
+        Shape `(*channels, H, W)`, 0 in the background; float64.
 
     Raises
     ------
@@ -188,7 +188,7 @@ def box_average(
     Returns
     -------
     numpy.ndarray
-        Shape (*images, H / factor, W / factor), in the precision of `images`.
+        Shape `(*images, H / factor, W / factor)`, in the precision of `images`.
 
     Raises
     ------

@@ -64,8 +64,10 @@ def write_obj(
 
     Raises
     ------
+    ArgumentError
+        If there are no texture coordinates for some vertex.
     FileError
-        If `path` does not end in `.obj`, or a file cannot be written.
+        If a file cannot be written.
     """
     path = Path(path)
     if len(uv) != len(mesh.vertices):

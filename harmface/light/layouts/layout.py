@@ -106,7 +106,7 @@ class Layout(ABC):
         Returns
         -------
         numpy.ndarray
-            Unit vectors, shape (*pixels, 3), float64.
+            Unit vectors, shape `(*pixels, 3)`, float64.
 
         Raises
         ------

@@ -87,7 +87,7 @@ def project_map(
     Returns
     -------
     numpy.ndarray
-        Shape (*channels, K), in the precision of the map.
+        Shape `(*channels, K)`, in the precision of the map.
 
     Raises
     ------
