@@ -19,7 +19,7 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.mathjax",
+    "mathml",
     "sphinx.ext.intersphinx",
     "numpydoc",
     "sphinx_gallery.gen_gallery",
@@ -53,6 +53,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "examples",
     "gallery_dirs": "gallery",
     "image_scrapers": ("gallery_figures.figures",),
+    "within_subsection_order": "FileNameSortKey",
     "reset_modules": (),
     "abort_on_example_error": True,
     "download_all_examples": False,
@@ -62,15 +63,17 @@ sphinx_gallery_conf = {
     "plot_gallery": "True",
 }
 
+html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "harmface"
 html_theme_options = {
     "show_prev_next": False,
     "navigation_with_keys": False,
     "navbar_align": "left",
+    "header_links_before_dropdown": 4,
     "secondary_sidebar_items": ["page-toc"],
 }
-html_static_path = []
+html_sidebars = {"*": [], "methods/*": []}
 html_show_sourcelink = False
 
 warnings.filterwarnings("ignore", module="sphinx_gallery")

@@ -75,5 +75,5 @@ def basis_figure(images: Float[np.ndarray, "K H W"], mask: Bool[np.ndarray, "H W
             )
         elif order == degree:
             colour_bar(axes, shown, "irradiance / $L_{lm}$")
-    figure.suptitle(r"harmonic images $\rho\, A_l\, Y_{lm}(n)$", fontsize=10, y=1.0)
+    figure.suptitle(r"harmonic images $\rho\, A_l\, Y_{lm}(n)$", fontsize=10, y=0.95)
     return figure
