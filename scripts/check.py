@@ -1,4 +1,4 @@
-"""Run every check: lint, format, types, layers, docstrings, tests. Stops at the first that fails."""
+"""Run every check: lint, format, types, layers, docstrings, tests. Stops at the first failure."""
 
 import os
 import subprocess

@@ -1,8 +1,8 @@
 """Build the wheel and the source archive, and try them in empty environments.
 
-The wheel is tried as the slim install of `docs/install.md` (mathematics, light and rendering without
-OpenCV, scikit-learn or VTK), and complete. With `--oldest` the complete one takes the oldest
-dependencies that `pyproject.toml` allows, and some of the tests are run with them.
+The wheel is tried as the slim install of `docs/install.md` (mathematics, light and rendering
+without OpenCV, scikit-learn or VTK), and complete. With `--oldest` the complete one takes the
+oldest dependencies that `pyproject.toml` allows, and some of the tests are run with them.
 """
 
 import argparse
@@ -67,11 +67,14 @@ def main() -> None:
             python = environment(target / "oldest", str(wheel), *oldest(), *oldest("test"))
             rooms = [str(ROOT / "tests" / "unit" / room) for room in TESTED]
             # From another folder, so that what is tested is what was installed.
-            run(python, "-m", "pytest", "-x", "-p", "no:cacheprovider", "-c", f"{ROOT}/pyproject.toml",
-                "--rootdir", str(ROOT), *rooms, cwd=target)  # fmt: skip
+            quiet = ("-x", "-p", "no:cacheprovider", "--rootdir", str(ROOT))
+            run(
+                *(python, "-m", "pytest", *quiet, "-c", f"{ROOT}/pyproject.toml", *rooms),
+                cwd=target,
+            )
             return
         python = environment(target / "slim", "--no-deps", str(wheel))
-        run(python, "-m", "pip", "install", "-q", *slim_requirements())
+        run(python, "-m", "pip", "install", "-qq", *slim_requirements())
         run(python, "-c", SLIM, cwd=target)
         python = environment(target / "complete", str(wheel))
         run(python, "-c", FULL, cwd=target)
@@ -98,7 +101,7 @@ def environment(folder: Path, *requirements: str) -> str:
     """Make an empty environment with these requirements; return its Python."""
     venv.create(folder, with_pip=True)
     python = str(folder / "bin" / "python")
-    run(python, "-m", "pip", "install", "-q", *requirements)
+    run(python, "-m", "pip", "install", "-qq", *requirements)
     return python
 
 
@@ -112,10 +115,12 @@ def slim_requirements() -> list[str]:
 
 
 def oldest(extra: str | None = None) -> list[str]:
-    """Return the dependencies of the package, or of an extra, at their lower bounds."""
+    """Return the dependencies of the package, or of an extra, in their oldest series."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     listed = project["dependencies"] if extra is None else project["optional-dependencies"][extra]
-    return [requirement.replace(">=", "==") for requirement in listed]
+    # "4.10" stands for 4.10.0.84, too; a post-release has no series.
+    pinned = [requirement.replace(">=", "==") for requirement in listed]
+    return [each if "post" in each else f"{each}.*" for each in pinned]
 
 
 def run(*command: str, cwd: Path = ROOT) -> None:

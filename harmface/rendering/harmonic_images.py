@@ -130,4 +130,4 @@ def outgoing_radiance(
     array([1.])
     """
     radiosity = checks.finite("radiosity", radiosity)
-    return radiosity / np.asarray(np.pi, radiosity.dtype)
+    return np.asarray(radiosity / np.asarray(np.pi, radiosity.dtype))
