@@ -39,7 +39,7 @@ def harmonic_gram(
     Returns
     -------
     numpy.ndarray
-        Symmetric, shape (K, K) or (k, k) of those kept, float64.
+        Symmetric, shape (K, K), float64.
     """
     count = harmonic_count(max_degree)
     if kept is None:

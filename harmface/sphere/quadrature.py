@@ -26,23 +26,14 @@ LEBEDEV_ORDERS = (
 class Quadrature:
     """Directions and weights: the integral of `f` over the sphere is `f(directions) @ weights`.
 
-    Attributes
-    ----------
-    directions
-        Unit vectors, shape `(J, 3)`.
-    weights
-        Solid angles in steradians, shape `(J,)`; they sum to 4 pi.
-    degree
-        Every harmonic up to this degree is integrated exactly.
-
     Parameters
     ----------
     directions
         Unit vectors, shape (J, 3).
     weights
-        Steradians, shape (J,); they sum to 4 pi.
+        Solid angles in steradians, shape (J,); they sum to 4 pi.
     degree
-        Degree up to which functions are integrated exactly.
+        Every harmonic up to this degree is integrated exactly.
     """
 
     directions: Float[np.ndarray, "J 3"]
