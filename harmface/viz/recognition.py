@@ -72,7 +72,7 @@ def explanation_figure(
     first = 1 + lit
     columns = first + 2 * max(len(each.subjects) for each in explanations)
     height = 1.7 * mask.shape[0] / mask.shape[1] + 0.3
-    figure = NotebookFigure(figsize=(1.75 * columns, height * len(explanations)))
+    figure = NotebookFigure(figsize=(1.7 * columns, height * len(explanations)))
     for row, each in enumerate(explanations):
         axes = [
             figure.add_subplot(len(explanations), columns, 1 + row * columns + column)
