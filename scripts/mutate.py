@@ -125,6 +125,8 @@ def _code(tree: ast.AST) -> Iterator[ast.AST]:
             if node.value is not None:
                 yield from [node.value, *_code(node.value)]
             continue
+        if isinstance(node, ast.keyword) and node.arg == "strict":
+            continue  # it matters only to what nothing reaches
         if hasattr(node, "lineno"):
             yield node
         if isinstance(node, ast.FunctionDef):
