@@ -18,6 +18,7 @@ from harmface.geometry.exchange import (
 from harmface.geometry.rays import RayCaster, used_vertices
 from harmface.geometry.texture import Texture
 from harmface.geometry.two_sided import one_side, same_places
+from harmface.summaries import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +51,8 @@ class Mesh:
     normals: Float[np.ndarray, "V 3"]
     albedo: Float[np.ndarray, "V 3"]
     texture: Texture | None = None
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         checked = {

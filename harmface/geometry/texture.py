@@ -9,6 +9,7 @@ from jaxtyping import Float, Integer, Num
 from harmface import checks
 from harmface.conventions import srgb_to_linear
 from harmface.errors import ArgumentError
+from harmface.summaries import summary
 
 WRAPS = ("repeat", "mirror", "clamp")
 
@@ -37,6 +38,8 @@ class TextureImage:
     pixels: Num[np.ndarray, "H W 3"]
     srgb: bool = False
     wrap: tuple[str, str] = ("repeat", "repeat")
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         pixels = self.pixels
@@ -149,6 +152,8 @@ class Texture:
     image: Integer[np.ndarray, "F"]
     uv: Float[np.ndarray, "V 2"]
     tint: Float[np.ndarray, "V 3"]
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         checks.finite("uv", self.uv)

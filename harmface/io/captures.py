@@ -19,6 +19,7 @@ from harmface.io.photo_folders import Sorted, light_file_of, photographs_in, sor
 from harmface.io.photo_sets import yale_light
 from harmface.io.pictures import MAX_PIXELS, check_total, read_picture
 from harmface.io.tables import read_table
+from harmface.summaries import summary
 
 CHANNELS = ("red", "green", "blue")
 
@@ -59,6 +60,8 @@ class Capture:
     strengths: Float[np.ndarray, "F"] | None
     truth: Float[np.ndarray, "H W 3"] | None
     notes: tuple[str, ...]
+
+    __repr__ = summary
 
 
 def read_capture(

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.light.layouts import LAYOUTS
+from harmface.summaries import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,8 @@ class DistantLight:
 
     directions: Float[np.ndarray, "J 3"]
     irradiances: Float[np.ndarray, "*channels J"]
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         directions = checks.unit_vectors("directions", self.directions)

@@ -10,6 +10,7 @@ from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.light.distant_light import DistantLight
 from harmface.light.layouts import Layout, layout_named
+from harmface.summaries import summary
 
 FRAME_TOLERANCE = 1e-6
 """Departure from orthogonality that float32 matrices may have."""
@@ -49,6 +50,8 @@ class EnvironmentMap:
     radiance: Float[np.ndarray, "*channels_pixels"]
     layout: Layout
     frame: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         radiance = checks.floating("radiance", self.radiance)

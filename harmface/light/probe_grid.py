@@ -14,6 +14,7 @@ from jaxtyping import Float
 from harmface import checks
 from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
+from harmface.summaries import summary
 
 if TYPE_CHECKING:
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
@@ -41,6 +42,8 @@ class ProbeGrid:
     origin: Float[np.ndarray, "3"]
     spacing: Float[np.ndarray, "3"]
     coefficients: Float[np.ndarray, "X Y Z *channels_K"]
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         origin = checks.finite("origin", self.origin)
@@ -113,6 +116,8 @@ class ScatteredProbes:
 
     positions: Float[np.ndarray, "P 3"]
     coefficients: Float[np.ndarray, "P *channels_K"]
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         positions = checks.finite("positions", checks.vectors("positions", self.positions))

@@ -13,6 +13,7 @@ from harmface.pca.lighting_pca import LightingPCA, lighting_pca
 from harmface.pca.pixels import visible_pixels
 from harmface.reflectance import lambert_per_coefficient
 from harmface.sphere import real_harmonics
+from harmface.summaries import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +35,8 @@ class AnalyticPCA(LightingPCA):
     normals: Float[np.ndarray, "*pixels 3"]
     albedo: Float[np.ndarray, "*pixels"]
     weights: Float[np.ndarray, "*pixels"]
+
+    __repr__ = summary
 
     def modes(self, count: int) -> Float[np.ndarray, "count *pixels"]:
         """Return the first modes as images, computed now, pixels of weight 0 black.

@@ -9,6 +9,7 @@ from harmface import checks
 from harmface.conventions import degrees, harmonic_count, max_degree_of
 from harmface.errors import ArgumentError
 from harmface.sphere import real_harmonics
+from harmface.summaries import summary
 
 FRONT = np.array([0.0, 0.0, 1.0])
 """The direction from the object to the viewer."""
@@ -34,6 +35,8 @@ class LightDistribution:
 
     mean: Float[np.ndarray, "K"]
     covariance: Float[np.ndarray, "K K"]
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         mean = checks.finite("mean", self.mean)

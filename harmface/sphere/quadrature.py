@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.summaries import summary
 
 # The orders of [LL99]_, without 13, 25 and 27, some of whose weights are negative.
 LEBEDEV_ORDERS = (
@@ -39,6 +40,8 @@ class Quadrature:
     directions: Float[np.ndarray, "J 3"]
     weights: Float[np.ndarray, "J"]
     degree: int
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         checks.degree("degree", self.degree)
