@@ -16,6 +16,9 @@ SIGNED = LinearSegmentedColormap.from_list(
 BACKGROUND = "#b8b8b8"
 
 
+TITLE = 0.5
+"""Inches above the first row, for the title of all."""
+
 VANISHING = 1e-9
 """Share of the largest degree below which a degree is taken for zero."""
 
@@ -42,11 +45,11 @@ def basis_figure(images: Float[np.ndarray, "K H W"], mask: Bool[np.ndarray, "H W
     top = max_degree_of(len(images))
     height, width = mask.shape
     side = min(1.7, 16 / (2 * top + 1))
-    figure = NotebookFigure(
-        figsize=(side * (2 * top + 1) + 1.2, side * (top + 1) * height / width * 1.12 + 0.5),
-        facecolor="white",
+    inches = side * (top + 1) * height / width * 1.12 + 0.5
+    figure = NotebookFigure(figsize=(side * (2 * top + 1) + 1.2, inches), facecolor="white")
+    grid = figure.add_gridspec(
+        top + 1, 2 * top + 1, wspace=0.05, hspace=0.18, top=1 - TITLE / inches
     )
-    grid = figure.add_gridspec(top + 1, 2 * top + 1, wspace=0.05, hspace=0.18)
     sizes = np.abs(images[:, mask])
     scales = np.array(
         [np.percentile(sizes[d**2 : (d + 1) ** 2], 99.0) for d in range(top + 1)], float
@@ -75,5 +78,5 @@ def basis_figure(images: Float[np.ndarray, "K H W"], mask: Bool[np.ndarray, "H W
             )
         elif order == degree:
             colour_bar(axes, shown, "irradiance / $L_{lm}$")
-    figure.suptitle(r"harmonic images $\rho\, A_l\, Y_{lm}(n)$", fontsize=10, y=0.95)
+    figure.suptitle(r"harmonic images $\rho\, A_l\, Y_{lm}(n)$", fontsize=10, y=1.0)
     return figure
