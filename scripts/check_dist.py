@@ -68,7 +68,7 @@ def main() -> None:
             rooms = [str(ROOT / "tests" / "unit" / room) for room in TESTED]
             # From another folder, so that what is tested is what was installed.
             # What new libraries deprecate in old ones is not for this package to mend.
-            quiet = ("-x", "-p", "no:cacheprovider", "-W", "default::DeprecationWarning")
+            quiet = ("-p", "no:cacheprovider", "-W", "default::DeprecationWarning")
             run(
                 *(python, "-m", "pytest", *quiet, "--rootdir", str(ROOT)),
                 *("-c", f"{ROOT}/pyproject.toml", *rooms),
