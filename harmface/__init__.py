@@ -4,6 +4,7 @@ Subpackages load on first use, so that `import harmface` stays light.
 """
 
 import importlib
+import logging
 from types import ModuleType
 
 from harmface.errors import HarmfaceError
@@ -12,6 +13,7 @@ __version__ = "0.1.0"
 
 _SUBPACKAGES = (
     "conventions",
+    "enrollment",
     "geometry",
     "io",
     "light",
@@ -24,6 +26,9 @@ _SUBPACKAGES = (
     "stereo",
     "viz",
 )
+
+# Silent until a program configures logging; `harmface --verbose` does.
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 __all__ = ["HarmfaceError", "__version__", *_SUBPACKAGES]
 

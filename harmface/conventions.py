@@ -33,6 +33,11 @@ def flat_index(degree: int, order: int) -> int:
     order
         Order `m`, with `|m| <= l`.
 
+    Returns
+    -------
+    int
+        `k`, from 0.
+
     Raises
     ------
     ArgumentError
@@ -54,6 +59,21 @@ def flat_index(degree: int, order: int) -> int:
 def degree_order(index: int) -> tuple[int, int]:
     """Return degree and order `(l, m)` of flat index `k`, the inverse of `flat_index`.
 
+    Parameters
+    ----------
+    index
+        Flat index `k`, at least 0.
+
+    Returns
+    -------
+    tuple of int
+        Degree `l` and order `m`.
+
+    Raises
+    ------
+    ArgumentError
+        If `index` is negative or not whole.
+
     Examples
     --------
     >>> degree_order(8)
@@ -65,12 +85,43 @@ def degree_order(index: int) -> tuple[int, int]:
 
 
 def harmonic_count(max_degree: int) -> int:
-    """Return `K = (max_degree + 1)**2`, the number of harmonics up to a degree."""
+    """Return `K = (max_degree + 1)**2`, the number of harmonics up to a degree.
+
+    Parameters
+    ----------
+    max_degree
+        Highest degree, at least 0.
+
+    Returns
+    -------
+    int
+        `K`.
+
+    Raises
+    ------
+    ArgumentError
+        If `max_degree` is negative or not whole.
+
+    Examples
+    --------
+    >>> [harmonic_count(degree) for degree in range(4)]
+    [1, 4, 9, 16]
+    """
     return (checks.degree("max_degree", max_degree) + 1) ** 2
 
 
 def max_degree_of(count: int) -> int:
     """Return the degree up to which `count` harmonics reach.
+
+    Parameters
+    ----------
+    count
+        Number of harmonics `K`, a square.
+
+    Returns
+    -------
+    int
+        The highest degree.
 
     Raises
     ------
@@ -93,6 +144,21 @@ def max_degree_of(count: int) -> int:
 def degrees(max_degree: int) -> Int[np.ndarray, "K"]:
     """Return the degree `l` of every flat index up to `max_degree`.
 
+    Parameters
+    ----------
+    max_degree
+        Highest degree, at least 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (K,), integers.
+
+    Raises
+    ------
+    ArgumentError
+        If `max_degree` is negative or not whole.
+
     Examples
     --------
     >>> degrees(2)
@@ -104,6 +170,16 @@ def degrees(max_degree: int) -> Int[np.ndarray, "K"]:
 
 def orders(max_degree: int) -> Int[np.ndarray, "K"]:
     """Return the order `m` of every flat index up to `max_degree`.
+
+    Parameters
+    ----------
+    max_degree
+        Highest degree, at least 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (K,), integers.
 
     Examples
     --------
@@ -125,6 +201,22 @@ def directions_from_angles(
         Angle from +z in radians.
     azimuth
         Angle about +z from +x towards +y in radians; broadcasts with `polar`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Unit vectors, shape (..., 3) for angles of shape (...); float64 unless both angles are
+        float32.
+
+    Raises
+    ------
+    ArgumentError
+        If an angle is not finite.
+
+    Examples
+    --------
+    >>> directions_from_angles(np.pi / 2, 0.0).round(12)
+    array([1., 0., 0.])
     """
     polar, azimuth = np.broadcast_arrays(
         checks.finite("polar", polar), checks.finite("azimuth", azimuth)
@@ -139,6 +231,27 @@ def angles_from_directions(
     """Return polar angle in [0, pi] and azimuth in (-pi, pi] of directions, in radians.
 
     The arc tangent of both components keeps full precision near the poles.
+
+    Parameters
+    ----------
+    directions
+        Vectors of any length but zero, shape (..., 3).
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Polar angle and azimuth in radians, each of shape (...), in the precision of `directions`.
+
+    Raises
+    ------
+    ArgumentError
+        If a value is not finite or the last axis is not of three.
+
+    Examples
+    --------
+    >>> polar, azimuth = angles_from_directions(np.array([0.0, 1.0, 0.0]))
+    >>> np.degrees([polar, azimuth]).round(9)
+    array([90., 90.])
     """
     directions = checks.finite("directions", checks.vectors("directions", directions))
     x, y, z = np.moveaxis(directions, -1, 0)
@@ -155,6 +268,16 @@ def light_direction(azimuth: float, elevation: float) -> Float[np.ndarray, "3"]:
     elevation
         Degrees from the horizontal plane towards +y.
 
+    Returns
+    -------
+    numpy.ndarray
+        Unit vector from the surface to the light, shape (3,), float64.
+
+    Raises
+    ------
+    ArgumentError
+        If an angle is not finite.
+
     Examples
     --------
     >>> light_direction(90.0, 0.0).round(12)
@@ -168,10 +291,25 @@ def light_direction(azimuth: float, elevation: float) -> Float[np.ndarray, "3"]:
 def luminance(rgb: Float[np.ndarray, "*pixels 3"]) -> Float[np.ndarray, "*pixels"]:
     """Return the luminance of linear RGB values (Rec. 709 primaries).
 
+    Parameters
+    ----------
+    rgb
+        Linear values of any scale, shape (..., 3).
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (...), in the unit and precision of `rgb`.
+
     Raises
     ------
     ArgumentError
         If the values are integers, not finite, or not three in the last axis.
+
+    Examples
+    --------
+    >>> luminance(np.array([[1.0, 1.0, 1.0]])).round(12)
+    array([1.])
     """
     rgb = checks.vectors("rgb", checks.intensities("rgb", rgb))
     return np.asarray(rgb @ np.asarray(LUMINANCE, dtype=rgb.dtype))
@@ -179,6 +317,16 @@ def luminance(rgb: Float[np.ndarray, "*pixels 3"]) -> Float[np.ndarray, "*pixels
 
 def srgb_to_linear(encoded: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
     """Undo the sRGB transfer curve (IEC 61966-2-1): values in [0, 1] to linear light.
+
+    Parameters
+    ----------
+    encoded
+        Values encoded in sRGB, in [0, 1]; any shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Linear values, in the shape and precision of `encoded`.
 
     Raises
     ------
@@ -199,10 +347,25 @@ def srgb_to_linear(encoded: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."
 def linear_to_srgb(linear: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
     """Apply the sRGB transfer curve (IEC 61966-2-1), the inverse of `srgb_to_linear`.
 
+    Parameters
+    ----------
+    linear
+        Linear values, in [0, 1]; any shape. Beyond, the curve is continued.
+
+    Returns
+    -------
+    numpy.ndarray
+        Encoded values, in the shape and precision of `linear`.
+
     Raises
     ------
     ArgumentError
         If the values are integers or not finite.
+
+    Examples
+    --------
+    >>> linear_to_srgb(np.array([0.0, 0.214, 1.0])).round(3)
+    array([0. , 0.5, 1. ])
     """
     linear = checks.intensities("linear", linear)
     return np.where(
@@ -222,7 +385,13 @@ def linear_to_srgb(linear: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]
 
 
 def openexr_frame() -> Float[np.ndarray, "3 3"]:
-    """Return the identity: lat-long centre +z and left quarter +x, cube faces seen from inside."""
+    """Return the identity: lat-long centre +z and left quarter +x, cube faces seen from inside.
+
+    Returns
+    -------
+    numpy.ndarray
+        Orthogonal matrix, shape (3, 3), float64.
+    """
     return np.eye(3)
 
 
@@ -231,17 +400,34 @@ def rh01_frame() -> Float[np.ndarray, "3 3"]:
 
     Looking to +z with +y up, +x is at the left: the published tables belong to mirrored probes.
     They also belong to half a pixel's shift, see `light.layouts.RH01Probe`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Orthogonal matrix, shape (3, 3), float64.
     """
     return np.eye(3)
 
 
 def debevec_frame() -> Float[np.ndarray, "3 3"]:
-    """Return the mirror `z -> -z`: Debevec's light probes, which look to -z at the centre."""
+    """Return the mirror `z -> -z`: Debevec's light probes, which look to -z at the centre.
+
+    Returns
+    -------
+    numpy.ndarray
+        Orthogonal matrix of determinant -1, shape (3, 3), float64.
+    """
     return np.diag([1.0, 1.0, -1.0])
 
 
 def y_up_latlong_frame() -> Float[np.ndarray, "3 3"]:
-    """Return half a turn about +y: lat-long maps that look to -z, as our camera, at the centre."""
+    """Return half a turn about +y: lat-long maps that look to -z, as our camera, at the centre.
+
+    Returns
+    -------
+    numpy.ndarray
+        Rotation matrix, shape (3, 3), float64.
+    """
     return np.diag([-1.0, 1.0, -1.0])
 
 
@@ -249,6 +435,11 @@ def z_up_latlong_frame() -> Float[np.ndarray, "3 3"]:
     """Return the frame of lat-long maps made in a z-up world, with its +x at the centre.
 
     The z-up world is laid on its back first, see `z_up_to_y_up`: its +z becomes our +y.
+
+    Returns
+    -------
+    numpy.ndarray
+        Orthogonal matrix, shape (3, 3), float64.
     """
     # Longitude runs from +z to +x in our layout and from +x to +y there.
     latlong = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -256,7 +447,13 @@ def z_up_latlong_frame() -> Float[np.ndarray, "3 3"]:
 
 
 def three_js_latlong_frame() -> Float[np.ndarray, "3 3"]:
-    """Return a quarter turn about +y: three.js's equirectangular maps look to +x at the centre."""
+    """Return a quarter turn about +y: three.js's equirectangular maps look to +x at the centre.
+
+    Returns
+    -------
+    numpy.ndarray
+        Rotation matrix, shape (3, 3), float64.
+    """
     return np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 
@@ -264,6 +461,11 @@ def opengl_cube_frame() -> Float[np.ndarray, "3 3"]:
     """Return the identity, for faces turned by `light.faces_from_opengl`.
 
     OpenGL samples a cube by left-handed axes: each of its faces is the mirror image of ours.
+
+    Returns
+    -------
+    numpy.ndarray
+        Orthogonal matrix, shape (3, 3), float64.
     """
     return np.eye(3)
 
@@ -272,12 +474,22 @@ def three_js_cube_frame() -> Float[np.ndarray, "3 3"]:
     """Return the mirror `x -> -x`, for faces turned by `light.faces_from_opengl`.
 
     three.js flips x when it samples a cube, which undoes OpenGL's mirroring.
+
+    Returns
+    -------
+    numpy.ndarray
+        Orthogonal matrix of determinant -1, shape (3, 3), float64.
     """
     return np.diag([-1.0, 1.0, 1.0])
 
 
 def z_up_to_y_up() -> Float[np.ndarray, "3 3"]:
     """Return the rotation that carries +z, up in many modelling worlds, to +y, and +y to -z.
+
+    Returns
+    -------
+    numpy.ndarray
+        Rotation matrix, shape (3, 3), float64.
 
     Examples
     --------
@@ -306,6 +518,18 @@ MAP_FRAMES = {
 
 def map_frame(layout: str, frame: str | None = None) -> Float[np.ndarray, "3 3"]:
     """Return the frame of a layout by name, by default our own: the identity.
+
+    Parameters
+    ----------
+    layout
+        "latlong", "angular", "mirror-ball" or "cube".
+    frame
+        Name of a frame of that layout, see `MAP_FRAMES`; our own if not given.
+
+    Returns
+    -------
+    numpy.ndarray
+        Orthogonal matrix, shape (3, 3), float64.
 
     Raises
     ------

@@ -1,6 +1,7 @@
 """Speed as ratios within one run: against memory bandwidth, bare library calls, and peers.
 
-Peers come with `pip install '.[bench]'`; one that is missing is left out and said.
+Peers come with `pip install '.[bench]'`; one that is missing is left out and said. `--json` keeps
+the ratios; `--compare` sets those of an earlier run, on the same kind of machine, beside them.
 """
 
 import os
@@ -8,7 +9,9 @@ import os
 # Some machines pin an OpenBLAS kernel that is not their fastest; measure without.
 os.environ.pop("OPENBLAS_CORETYPE", None)
 
+import argparse
 import importlib.util
+import json
 import tempfile
 import time
 import tracemalloc
@@ -278,11 +281,27 @@ def sht_peers(environment: EnvironmentMap) -> dict[str, Callable[[], object] | N
 
 def main() -> None:
     """Print a table of ratios."""
-    table = Table("what / against", "ratio", "bar")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, help="file to keep the ratios in")
+    parser.add_argument("--compare", type=Path, help="what --json kept of an earlier run")
+    options = parser.parse_args()
+    before = {}
+    if options.compare is not None:
+        rows = json.loads(options.compare.read_text())["rows"]
+        before = {row["what"]: row["ratio"] for row in rows}
+    table = Table("what / against", "ratio", "bar", *(["before", "change"] if before else []))
+    kept = []
     for measure in (harmonics, rasterization, recognition, population, components, stereo, maps):
         for what, ratio, bar in measure():
-            table.add_row(what, f"{ratio:.2f}", bar)
+            known = bool(np.isfinite(ratio))
+            kept.append({"what": what, "ratio": float(ratio) if known else None, "bar": bar})
+            cells = [what, f"{ratio:.2f}", bar]
+            if (old := before.get(what)) and known:
+                cells += [f"{old:.2f}", f"{ratio / old - 1:+.0%}"]
+            table.add_row(*cells)
     Console().print(table)
+    if options.json is not None:
+        options.json.write_text(json.dumps({"rows": kept}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Run every check: lint, format, types, layers, tests. Stops at the first that fails."""
+"""Run every check: lint, format, types, layers, docstrings, tests. Stops at the first failure."""
 
 import os
 import subprocess
@@ -11,6 +11,7 @@ CHECKS = (
     ("ruff", "format", "--check"),
     ("mypy",),
     ("lint-imports", "--no-cache"),
+    ("python", "scripts/docstrings.py"),
     ("pytest", "-n", "2", "--durations", "10"),
 )
 

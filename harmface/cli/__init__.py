@@ -4,9 +4,12 @@ Exit codes: 0 done, 1 a claim or check failed, 2 bad input, or too large for the
 3 a defect of the package.
 """
 
+import logging
 import os
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import TextIOWrapper
 from typing import NoReturn
 
@@ -25,16 +28,15 @@ from harmface.cli import (
     stereo,
     synth,
 )
-from harmface.cli.common import releasing_outputs
+from harmface.cli.common import errors, output, releasing_outputs
 from harmface.errors import HarmfaceError
 
 app = typer.Typer(
     name="harmface",
     help="Spherical harmonics of faces and other diffuse objects under any distant light.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
-    rich_markup_mode="rich",
+    rich_markup_mode=None,
 )
 app.add_typer(synth.app, name="synth")
 app.add_typer(envmap.app, name="envmap")
@@ -49,6 +51,27 @@ app.command("stereo")(stereo.stereo)
 app.command("reproduce")(reproduce.reproduce)
 
 
+EVERYWHERE = ("--debug", "--quiet", "--verbose")
+"""Options that all commands take."""
+
+
+@contextmanager
+def _logging(wanted: bool) -> Iterator[None]:
+    """Show the package's log on stderr, if wanted."""
+    log = logging.getLogger("harmface")
+    handler = logging.StreamHandler()
+    handler.setFormatter(logging.Formatter("harmface: %(message)s"))
+    level = log.level
+    if wanted:
+        log.addHandler(handler)
+        log.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(level)
+
+
 def _version(wanted: bool) -> bool:
     if wanted:
         typer.echo(__version__)
@@ -61,6 +84,12 @@ def root(
     version: bool = typer.Option(
         False, "--version", callback=_version, is_eager=True, help="Print the version and stop."
     ),
+    quiet: bool = typer.Option(
+        False, "--quiet", help="Print only errors, and what --json asks for."
+    ),
+    verbose: bool = typer.Option(
+        False, "--verbose", help="Say on stderr what is read, written and measured."
+    ),
     debug: bool = typer.Option(
         False, "--debug", help="Show the traceback of an error that is not the input's."
     ),
@@ -72,15 +101,16 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line; exits with 0, 1 (a claim failed), 2 (bad input) or 3 (a defect)."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     debug = "--debug" in given
+    output.quiet = errors.quiet = "--quiet" in given
     for stream in (sys.stdout, sys.stderr):
         # A name need not be text: what cannot be written is spelt out.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     try:
-        with releasing_outputs():
-            # Like any option it may stand behind the command, too.
+        with releasing_outputs(), _logging("--verbose" in given):
+            # Like any option they may stand behind the command, too.
             code = app(
-                [word for word in given if word != "--debug"],
+                [word for word in given if word not in EVERYWHERE],
                 standalone_mode=False,
                 prog_name="harmface",
             )

@@ -21,11 +21,19 @@ if TYPE_CHECKING:
     from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
+MaxDegreeOption = Annotated[
+    int, typer.Option("--max-degree", "--degree", help="Highest degree of the harmonics.")
+]
+DpiOption = Annotated[int | None, typer.Option(help="Dots per inch of the figure; 120 by default.")]
 ResizeOption = Annotated[
     str | None, typer.Option(metavar="HxW", help="Resize to rows x columns, such as 48x42.")
 ]
 SrgbOption = Annotated[
-    bool, typer.Option("--srgb", help="The photographs are sRGB-encoded: make them linear.")
+    bool,
+    typer.Option(
+        "--srgb",
+        help="Photographs are sRGB-encoded where their files do not say so: make them linear.",
+    ),
 ]
 SkipBadOption = Annotated[
     bool, typer.Option("--skip-bad", help="Go on without files that cannot be used; name them.")
@@ -61,6 +69,7 @@ LearnFromOption = Annotated[
         "how light changes faces; procedural heads by default.",
     ),
 ]
+FIGURE_HELP = "The ending of its name says the format: .png, .svg or .pdf."
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
 # Names are shown as they are: brackets in them are no markup, nor are colons a picture.

@@ -9,7 +9,14 @@ import typer
 from rich.table import Table
 
 from harmface import checks
-from harmface.cli.common import JsonOption, claim_outputs, output
+from harmface.cli.common import (
+    FIGURE_HELP,
+    DpiOption,
+    JsonOption,
+    MaxDegreeOption,
+    claim_outputs,
+    output,
+)
 from harmface.cli.light_source import MapArgument, MapReading
 from harmface.cli.option_groups import with_options
 from harmface.conventions import degree_order, max_degree_of
@@ -27,19 +34,27 @@ OutMap = Annotated[Path, typer.Option(help="Map to write: .hdr, .pfm or .exr.")]
 @with_options("reading", MapReading)
 def project(
     environment: MapArgument,
-    degree: Annotated[int, typer.Option(help="Highest degree.")] = 2,
+    max_degree: MaxDegreeOption = 2,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="JSON file to write; `render` and `envmap irradiance` read it as light."),
+    ] = None,
     as_json: JsonOption = False,
     *,
     reading: MapReading,
 ) -> None:
     """Print the lighting coefficients L_lm of a map (RH01 eq. 10), for each channel.
 
-    Example: harmface envmap project forest.hdr --degree 2 --json
+    Example: harmface envmap project forest.hdr --out forest.json
     """
+    from harmface.io import write_coefficients
     from harmface.light import project as project_map
 
-    checks.degree("--degree", degree)
-    coefficients = np.atleast_2d(project_map(reading.load_map(environment), degree))
+    checks.degree("--max-degree", max_degree)
+    claim_outputs(out, inputs=environment)
+    coefficients = np.atleast_2d(project_map(reading.load_map(environment), max_degree))
+    if out is not None:
+        write_coefficients(out, coefficients)
     if as_json:
         typer.echo(json.dumps({"coefficients": coefficients.tolist()}, indent=1))
         return
@@ -63,7 +78,7 @@ def irradiance(
     ],
     out: OutMap,
     size: Annotated[int, typer.Option(help="Rows of the irradiance map.")] = 128,
-    degree: Annotated[int, typer.Option(help="Highest degree, for maps.")] = 2,
+    max_degree: MaxDegreeOption = 2,
     window: Annotated[
         str | None,
         typer.Option(help="Against ringing: hann, lanczos, or non-negative. Off unless asked."),
@@ -83,11 +98,11 @@ def irradiance(
     from harmface.light import project as project_map
     from harmface.rendering import irradiance_error, irradiance_map
 
-    checks.degree("--degree", degree)
+    checks.degree("--max-degree", max_degree)
     claim_outputs(out, inputs=[source])
     light = reading.load_light(source)
     if isinstance(light, EnvironmentMap):
-        coefficients = project_map(light, degree)
+        coefficients = project_map(light, max_degree)
     elif compare:
         raise ArgumentError("--compare needs a map; coefficients alone cannot tell their error")
     else:
@@ -172,8 +187,9 @@ def rotate(
 @with_options("reading", MapReading)
 def show(
     environment: MapArgument,
-    out: Annotated[Path, typer.Option(help="PNG to write.")],
-    degree: Annotated[int, typer.Option(help="Highest degree of the reconstruction.")] = 2,
+    out: Annotated[Path, typer.Option(help=f"Figure to write. {FIGURE_HELP}")],
+    max_degree: MaxDegreeOption = 2,
+    dpi: DpiOption = None,
     *,
     reading: MapReading,
 ) -> None:
@@ -184,10 +200,10 @@ def show(
     from harmface.light import project as project_map
     from harmface.viz import environment_figure, write_figure
 
-    checks.degree("--degree", degree)
+    checks.degree("--max-degree", max_degree)
     claim_outputs(out, inputs=environment)
     found = reading.load_map(environment)
-    write_figure(out, environment_figure(found, project_map(found, degree)))
+    write_figure(out, environment_figure(found, project_map(found, max_degree)), dpi=dpi)
     output.print(f"picture in {out}")
 
 

@@ -10,7 +10,15 @@ from rich.table import Table
 
 from harmface import checks
 from harmface.cli import basis
-from harmface.cli.common import JsonOption, SizeOption, claim_outputs, output
+from harmface.cli.common import (
+    FIGURE_HELP,
+    DpiOption,
+    JsonOption,
+    MaxDegreeOption,
+    SizeOption,
+    claim_outputs,
+    output,
+)
 from harmface.cli.mesh_options import MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError, FileError
@@ -35,7 +43,7 @@ def pca(
             "about the viewing axis."
         ),
     ] = "uniform",
-    degree: Annotated[int, typer.Option(help="Highest degree of the harmonics.")] = 8,
+    max_degree: MaxDegreeOption = 8,
     subtract_mean: Annotated[
         bool, typer.Option("--subtract-mean/--keep-mean", help="Whether about the mean image.")
     ] = True,
@@ -47,8 +55,10 @@ def pca(
         typer.Option(metavar="N", help="Compare with a PCA of N images made without harmonics."),
     ] = 0,
     figure: Annotated[
-        Path | None, typer.Option(help="PNG of the first five modes; zero is mid grey.")
+        Path | None,
+        typer.Option(help=f"Figure of the first five modes; zero is mid grey. {FIGURE_HELP}"),
     ] = None,
+    dpi: DpiOption = None,
     as_json: JsonOption = False,
     *,
     mesh_reading: MeshReading,
@@ -62,7 +72,7 @@ def pca(
     """
     from harmface import pca as theory
 
-    checks.degree("--degree", degree)
+    checks.degree("--max-degree", max_degree)
     if albedo not in ("mesh", "constant"):
         raise ArgumentError(f"--albedo must be mesh or constant, got {albedo!r}")
     if empirical and empirical < SHOWN:
@@ -71,18 +81,18 @@ def pca(
         )
     half_angle = _half_angle(light)
     claim_outputs(figure, inputs=mesh_reading.files(source))
-    distribution = theory.cone_lights(degree, half_angle)
+    distribution = theory.cone_lights(max_degree, half_angle)
     normals, luminance_albedo = _seen(source, size, mesh_reading)
     mask = np.asarray(normals.any(axis=-1))
     reflectance = luminance_albedo if albedo == "mesh" else mask.astype(normals.dtype)
     found = theory.analytic_pca(
-        normals, reflectance, light=distribution, degree=degree, subtract_mean=subtract_mean
+        normals, reflectance, light=distribution, max_degree=max_degree, subtract_mean=subtract_mean
     )
     result: dict[str, object] = {
         "eigenvalue_fractions": found.fractions[:SHOWN].tolist(),
         "cumulative": found.cumulative[:SHOWN].tolist(),
         "light": light,
-        "degree": degree,
+        "degree": max_degree,
         "mean_subtracted": subtract_mean,
         "albedo": albedo,
         "pixels": int(mask.sum()),
@@ -110,7 +120,7 @@ def pca(
     if figure is not None:
         from harmface.viz import modes_figure, write_figure
 
-        write_figure(figure, modes_figure(rows, fractions, mask))
+        write_figure(figure, modes_figure(rows, fractions, mask), dpi=dpi)
     if as_json:
         typer.echo(json.dumps(result, indent=1))
         return

@@ -29,7 +29,7 @@ BRIGHTEST = 0.95
 @with_options("reading", EnvironmentReading)
 def render(
     mesh: MeshArgument,
-    out: Annotated[Path, typer.Option(help="PNG file to write.")],
+    out: Annotated[Path, typer.Option(help="Picture to write: .png or .jpg.")],
     light: Annotated[
         list[str] | None,
         typer.Option(
@@ -51,17 +51,21 @@ def render(
         float | None,
         typer.Option(help="Factor on radiosity; by default the brightest half percent is white."),
     ] = None,
-    bits: Annotated[int, typer.Option(help="8 or 16 bits a channel.")] = 16,
+    bits: Annotated[
+        int, typer.Option(help="8 or 16 bits a channel; those of 16 are linear unless --srgb.")
+    ] = 8,
     srgb: Annotated[
-        bool, typer.Option("--srgb/--linear", help="Encode for the screen, or keep linear.")
-    ] = False,
+        bool | None,
+        typer.Option("--srgb/--linear", help="Encode for the screen (8 bits), or keep linear."),
+    ] = None,
     *,
     reading: EnvironmentReading,
     mesh_reading: MeshReading,
 ) -> None:
     """Render a mesh from the front by brute force: no harmonics, shadows by ray casting.
 
-    Values are linear unless --srgb is given; `recognize` expects linear images.
+    The file says how it is encoded, and all commands believe it; outside the mesh a PNG file is
+    transparent.
 
     Example: harmface render head.ply --light 40,20 --size 64 --out probe.png
     """
@@ -95,7 +99,11 @@ def render(
         brightest = np.percentile(image[:, view.mask], 99.5)
         exposure = BRIGHTEST / brightest if brightest > 0 else 1.0
     picture = np.moveaxis(box_average(image * exposure, SUPERSAMPLING), 0, -1)
-    write_image(out, picture, bits=bits, srgb=srgb)
+    srgb = bits == 8 if srgb is None else srgb
+    opacity = None
+    if out.suffix.lower() == ".png":
+        opacity = box_average(view.mask.astype(np.float64), SUPERSAMPLING)
+    write_image(out, picture, bits=bits, srgb=srgb, opacity=opacity)
     encoding = "sRGB" if srgb else "linear"
     output.print(f"{size} x {size} pixels in {out} ({encoding}, exposure {exposure:.4g})")
 

@@ -1,9 +1,11 @@
 """`harmface reproduce`: the package against the papers."""
 
+import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.padding import Padding
 from rich.table import Column, Table
 from rich.text import Text
 
@@ -24,6 +26,12 @@ def reproduce(
             metavar="MAP", help="Measure irradiance-error-natural on this map too; repeatable."
         ),
     ] = None,
+    jobs: Annotated[
+        int, typer.Option(help="Claims measured at a time; ratios of times suffer.")
+    ] = 1,
+    list_claims: Annotated[
+        bool, typer.Option("--list", help="Print the claims and how each would fail; no more.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Measure the published figures and write a report; exits with 1 if a claim fails.
@@ -36,11 +44,14 @@ def reproduce(
     from harmface.reproduce.report import numbers, published
     from harmface.reproduce.run import reproduce as run
 
+    if list_claims:
+        _list(as_json)
+        return
     if more and not only:
         raise ArgumentError(f"unexpected argument {more[0]!r}; name claims after --only")
     with errors.status("") as status:
         wanted = [*(only or []), *(more or [])]
-        results = run(out, wanted, environments or (), lambda name: status.update(name))
+        results = run(out, wanted, environments or (), lambda name: status.update(name), jobs=jobs)
     if as_json:
         typer.echo((out / "results.json").read_text(), nl=False)
     else:
@@ -60,3 +71,21 @@ def reproduce(
         output.print(f"report in {out / 'report.html'}")
     if any(result.failed for result in results):
         raise typer.Exit(1)
+
+
+def _list(as_json: bool) -> None:
+    """Print every claim: what it measures, where it is published, and how it would fail."""
+    from harmface.reproduce.claims import load_claims
+
+    claims = load_claims().values()
+    if as_json:
+        facts = [
+            {"id": claim.id, "source": claim.source, "what": claim.what, "fails": claim.bound}
+            for claim in claims
+        ]
+        typer.echo(json.dumps(facts, indent=1))
+        return
+    for claim in claims:
+        output.print(claim.id, style="bold", highlight=False)
+        for text in (f"{claim.what}.", f"Source: {claim.source}.", f"It {claim.bound}."):
+            output.print(Padding(text, (0, 0, 0, 4)), highlight=False)

@@ -44,7 +44,19 @@ class OrthographicCamera:
     def rays(
         self, supersampling: int = 1
     ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
-        """Return origins and unit directions, ordered as in `pixel_grid`."""
+        """Return origins and unit directions, ordered as in `pixel_grid`.
+
+        Parameters
+        ----------
+        supersampling
+            Samples along each side of a pixel.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Origins, in the mesh's unit of length, and unit directions; each of shape (n, 3),
+            float64.
+        """
         x, y = pixel_grid(self.shape, supersampling)
         scale = self.height / self.shape[0]
         origins = np.empty((x.size, 3))
@@ -54,11 +66,33 @@ class OrthographicCamera:
         return origins, np.broadcast_to(np.array([0.0, 0.0, -1.0]), origins.shape)
 
     def towards(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-        """Return the unit directions from points to the camera."""
+        """Return the unit directions from points to the camera.
+
+        Parameters
+        ----------
+        points
+            Positions in the mesh's unit of length, shape (n, 3).
+
+        Returns
+        -------
+        numpy.ndarray
+            Unit vectors, shape (n, 3).
+        """
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), points.shape)
 
     def pixel_sizes(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
-        """Return the side of a pixel at points, in the mesh's unit of length."""
+        """Return the side of a pixel at points, in the mesh's unit of length.
+
+        Parameters
+        ----------
+        points
+            Positions in the mesh's unit of length, shape (n, 3).
+
+        Returns
+        -------
+        numpy.ndarray
+            Lengths, shape (n,).
+        """
         return np.full(len(points), self.height / self.shape[0])
 
 
@@ -96,7 +130,19 @@ class PerspectiveCamera:
     def rays(
         self, supersampling: int = 1
     ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
-        """Return origins and unit directions, ordered as in `pixel_grid`."""
+        """Return origins and unit directions, ordered as in `pixel_grid`.
+
+        Parameters
+        ----------
+        supersampling
+            Samples along each side of a pixel.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Origins, in the mesh's unit of length, and unit directions; each of shape (n, 3),
+            float64.
+        """
         x, y = pixel_grid(self.shape, supersampling)
         scale = 2 * np.tan(np.radians(self.vertical_field_of_view) / 2) / self.shape[0]
         directions = np.stack([scale * x, scale * y, np.full_like(x, -1.0)], axis=-1)
@@ -104,12 +150,34 @@ class PerspectiveCamera:
         return np.broadcast_to(np.asarray(self.position, float), directions.shape), directions
 
     def towards(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-        """Return the unit directions from points to the camera."""
+        """Return the unit directions from points to the camera.
+
+        Parameters
+        ----------
+        points
+            Positions in the mesh's unit of length, shape (n, 3).
+
+        Returns
+        -------
+        numpy.ndarray
+            Unit vectors, shape (n, 3).
+        """
         offset = np.asarray(self.position) - points
         return offset / np.linalg.norm(offset, axis=-1, keepdims=True)
 
     def pixel_sizes(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n"]:
-        """Return the side of a pixel at points, in the mesh's unit of length."""
+        """Return the side of a pixel at points, in the mesh's unit of length.
+
+        Parameters
+        ----------
+        points
+            Positions in the mesh's unit of length, shape (n, 3).
+
+        Returns
+        -------
+        numpy.ndarray
+            Lengths, shape (n,).
+        """
         scale = 2 * np.tan(np.radians(self.vertical_field_of_view) / 2) / self.shape[0]
         return scale * (self.position[2] - points[:, 2])
 
@@ -145,6 +213,11 @@ def frame_orthographic(mesh: Mesh, shape: int | tuple[int, int]) -> Orthographic
         What to show.
     shape
         Rows and columns of the picture, or one number for a square.
+
+    Returns
+    -------
+    OrthographicCamera
+        Its picture's height is 1.05 times what the mesh needs.
     """
     rows, columns = shape if isinstance(shape, tuple) else (shape, shape)
     return frame_box(mesh.bounds, (rows, columns))
@@ -182,6 +255,11 @@ def frame_perspective(
         Rows and columns of the picture, or one number for a square.
     vertical_field_of_view
         Degrees.
+
+    Returns
+    -------
+    PerspectiveCamera
+        Looking along -z.
     """
     flat = frame_orthographic(mesh, shape)
     distance = flat.height / 2 / np.tan(np.radians(vertical_field_of_view) / 2)

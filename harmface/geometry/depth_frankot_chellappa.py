@@ -34,6 +34,12 @@ def depth_frankot_chellappa(
     numpy.ndarray
         Height towards the viewer in pixels, of mean zero over the mask and zero outside.
 
+    Raises
+    ------
+    ArgumentError
+        If the normals are no unit vectors, the mask is empty or of another shape, or a normal faces
+        away from the camera.
+
     Examples
     --------
     A plane that rises by half a pixel a pixel to the right:

@@ -11,6 +11,7 @@ from harmface.errors import ArgumentError
 from harmface.geometry.camera import Camera
 from harmface.geometry.mesh import Mesh
 from harmface.geometry.texture import Texture
+from harmface.summaries import summary
 
 MAX_SAMPLES = 2**27
 """Most rays of one G-buffer: about 20 GB of intermediate arrays."""
@@ -42,6 +43,8 @@ class GBuffer:
     position: Float[np.ndarray, "H W 3"]
     mask: Bool[np.ndarray, "H W"]
     camera: Camera
+
+    __repr__ = summary
 
 
 def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:

@@ -2,15 +2,23 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Integer
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.geometry.exchange import (
+    parts_of_pyvista,
+    parts_of_trimesh,
+    pyvista_of,
+    trimesh_of,
+)
 from harmface.geometry.rays import RayCaster, used_vertices
 from harmface.geometry.texture import Texture
 from harmface.geometry.two_sided import one_side, same_places
+from harmface.summaries import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +51,8 @@ class Mesh:
     normals: Float[np.ndarray, "V 3"]
     albedo: Float[np.ndarray, "V 3"]
     texture: Texture | None = None
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         checked = {
@@ -84,13 +94,114 @@ class Mesh:
         return np.stack([used.min(axis=0), used.max(axis=0)])
 
     def rotated(self, rotation: Float[np.ndarray, "3 3"]) -> "Mesh":
-        """Return the mesh turned about the origin: `R v` for every vertex and normal."""
+        """Return the mesh turned about the origin: `R v` for every vertex and normal.
+
+        Parameters
+        ----------
+        rotation
+            Rotation matrix, shape (3, 3).
+
+        Returns
+        -------
+        Mesh
+            With the same faces, albedo and texture.
+
+        Raises
+        ------
+        ArgumentError
+            If `rotation` is no rotation matrix.
+        """
         rotation = checks.rotation("rotation", rotation)
         return replace(self, vertices=self.vertices @ rotation.T, normals=self.normals @ rotation.T)
 
     def flipped(self) -> "Mesh":
-        """Return the mesh turned inside out: normals point the other way, faces run round it."""
+        """Return the mesh turned inside out: normals point the other way, faces run round it.
+
+        Returns
+        -------
+        Mesh
+            With the same vertices, albedo and texture.
+        """
         return replace(self, faces=self.faces[:, ::-1], normals=-self.normals)
+
+    @classmethod
+    def from_trimesh(cls, mesh: Any) -> "Mesh":
+        """Make a mesh from a `trimesh.Trimesh`.
+
+        Parameters
+        ----------
+        mesh
+            Triangles, y up, facing +z. Vertex colours are taken as linear; without them, and with
+            a texture, albedo is 1.
+
+        Returns
+        -------
+        Mesh
+            With the same vertices and faces in the same order, float64.
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> Mesh.from_trimesh(trimesh.creation.box()).faces.shape
+        (12, 3)
+        """
+        return cls._from_parts(*parts_of_trimesh(mesh))
+
+    def to_trimesh(self) -> Any:
+        """Return the mesh as a `trimesh.Trimesh`.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            `from_trimesh` gives the same mesh back, less its texture.
+        """
+        return trimesh_of(self)
+
+    @classmethod
+    def from_pyvista(cls, mesh: Any) -> "Mesh":
+        """Make a mesh from a `pyvista.PolyData`.
+
+        Parameters
+        ----------
+        mesh
+            A surface, y up, facing +z; polygons are cut into triangles. Albedo is its point array
+            "albedo", linear in [0, 1], or "RGB" of 8 bits, or else 1.
+
+        Returns
+        -------
+        Mesh
+            With the same points in the same order, float64.
+
+        Examples
+        --------
+        >>> import pyvista
+        >>> Mesh.from_pyvista(pyvista.Plane(i_resolution=2, j_resolution=3)).faces.shape
+        (12, 3)
+        """
+        return cls._from_parts(*parts_of_pyvista(mesh))
+
+    def to_pyvista(self) -> Any:
+        """Return the mesh as a `pyvista.PolyData`.
+
+        Returns
+        -------
+        pyvista.PolyData
+            `from_pyvista` gives the same mesh back, less its texture.
+        """
+        return pyvista_of(self)
+
+    @classmethod
+    def _from_parts(
+        cls,
+        vertices: Float[np.ndarray, "V 3"],
+        faces: Integer[np.ndarray, "F 3"],
+        normals: Float[np.ndarray, "V 3"] | None,
+        albedo: Float[np.ndarray, "V 3"] | None,
+    ) -> "Mesh":
+        """Make a mesh, with normals computed and albedo 1 where there are none."""
+        normals = vertex_normals(vertices, faces) if normals is None else normals
+        albedo = np.ones_like(vertices) if albedo is None else np.asarray(albedo, np.float64)
+        return cls(vertices, faces, normals, albedo)
 
 
 def checked_faces(
@@ -127,6 +238,16 @@ def vertex_normals(
         Counter-clockwise triangles.
     position
         As `same_places` returns it for the vertices; found if not given.
+
+    Returns
+    -------
+    numpy.ndarray
+        Outward unit normals, shape (V, 3), in the precision of `vertices`.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no face, an index has no vertex, or a position is not finite.
     """
     vertices = checks.finite("vertices", checks.vectors("vertices", vertices))
     faces = checked_faces(faces, len(vertices))

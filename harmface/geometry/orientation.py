@@ -36,6 +36,11 @@ def outward_share(mesh: Mesh) -> float:
     mesh
         Any surface.
 
+    Returns
+    -------
+    float
+        Share in [0, 1] of the rays that meet the mesh.
+
     Raises
     ------
     ArgumentError
@@ -79,6 +84,11 @@ def paints_a_face(mesh: Mesh) -> bool:
     ----------
     mesh
         A surface with a texture or vertex colours.
+
+    Returns
+    -------
+    bool
+        Whether a detector of faces finds one.
     """
     view = gbuffer(mesh, frame_orthographic(mesh, _SIZE), supersampling=2)
     return _is_face(view.albedo.mean(axis=-1))
@@ -93,6 +103,11 @@ def axis_rotations(text: str) -> Float[np.ndarray, "3 3"]:
         Turns such as "y:180" or "x:-90,y:180": degrees about a fixed axis, counter-clockwise
         seen from its end; the first is done first. "y:90" turns what faces +z to +x. Empty for
         none.
+
+    Returns
+    -------
+    numpy.ndarray
+        Rotation matrix, shape (3, 3), float64.
 
     Raises
     ------

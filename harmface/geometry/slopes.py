@@ -73,6 +73,11 @@ def facing_camera(
     camera
         The view; orthographic if not given.
 
+    Returns
+    -------
+    numpy.ndarray
+        Pixels of `mask` that face the camera, (H, W) bool.
+
     Raises
     ------
     ArgumentError

@@ -31,6 +31,11 @@ def depth_to_mesh(
     camera
         The view, if it is perspective.
 
+    Returns
+    -------
+    Mesh
+        In pixels for an orthographic view, in the unit of `depth` for a perspective one.
+
     Raises
     ------
     ArgumentError
@@ -72,6 +77,16 @@ def pixel_coordinates(mask: Bool[np.ndarray, "H W"]) -> Float[np.ndarray, "V 2"]
     """Return texture coordinates of the vertices of `depth_to_mesh`: the centres of their pixels.
 
     u runs from 0 at the left edge of the picture to 1 at the right, v from the bottom to the top.
+
+    Parameters
+    ----------
+    mask
+        Pixels that are vertices, (H, W).
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (V, 2), u to the right and v upwards, in [0, 1], in the order of the vertices.
     """
     rows, columns = mask.shape
     y, x = np.nonzero(mask)

@@ -9,6 +9,7 @@ from jaxtyping import Float, Integer, Num
 from harmface import checks
 from harmface.conventions import srgb_to_linear
 from harmface.errors import ArgumentError
+from harmface.summaries import summary
 
 WRAPS = ("repeat", "mirror", "clamp")
 
@@ -38,6 +39,8 @@ class TextureImage:
     srgb: bool = False
     wrap: tuple[str, str] = ("repeat", "repeat")
 
+    __repr__ = summary
+
     def __post_init__(self) -> None:
         pixels = self.pixels
         if pixels.ndim != 3 or pixels.shape[2] != 3 or 0 in pixels.shape:
@@ -65,6 +68,11 @@ class TextureImage:
         footprint
             How many pixels of the picture a sample stands for, along a side: blocks of the
             nearest power of two are averaged. One if not given.
+
+        Returns
+        -------
+        numpy.ndarray
+            Linear RGB in [0, 1], shape (N, 3), float64.
         """
         if footprint is None:
             return self._bilinear(0, uv)
@@ -145,6 +153,8 @@ class Texture:
     uv: Float[np.ndarray, "V 2"]
     tint: Float[np.ndarray, "V 3"]
 
+    __repr__ = summary
+
     def __post_init__(self) -> None:
         checks.finite("uv", self.uv)
         checks.non_negative("tint", self.tint)
@@ -173,6 +183,11 @@ class Texture:
         footprint
             Side of the area that each point stands for, in units of the unit square of texture
             coordinates; none if not given.
+
+        Returns
+        -------
+        numpy.ndarray
+            Linear RGB in [0, 1], shape (N, 3).
         """
         uv = np.einsum("nc,nci->ni", weights, self.uv[corners])
         found = np.einsum("nc,nci->ni", weights, self.tint[corners])

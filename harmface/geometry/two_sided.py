@@ -13,6 +13,11 @@ def same_places(vertices: Float[np.ndarray, "V 3"]) -> Integer[np.ndarray, "V"]:
     ----------
     vertices
         Positions, any unit.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (V,), integers.
     """
     return np.unique(vertices, axis=0, return_inverse=True)[1].reshape(-1)
 

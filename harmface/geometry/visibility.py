@@ -36,6 +36,16 @@ def visible(
         Unit normals there.
     directions
         Unit directions to the light.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (J, N), bool.
+
+    Raises
+    ------
+    ArgumentError
+        If shapes do not agree, or normals or directions are no unit vectors.
     """
     points = checks.finite("points", points)
     normals = checks.unit_vectors("normals", normals)

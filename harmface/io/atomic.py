@@ -7,6 +7,7 @@ process left is told from what is in use, and removed by the next command.
 """
 
 import contextlib
+import logging
 import os
 import secrets
 import stat
@@ -23,6 +24,8 @@ try:
 except ImportError:  # Windows has no such locks: there nobody is kept out.
     fcntl = None  # type: ignore[assignment]
 
+LOG = logging.getLogger(__name__)
+
 HIDDEN = ".harmface-"
 """How the names of all files begin that are no output."""
 
@@ -36,6 +39,11 @@ def atomic_write(path: Path | str) -> Iterator[IO[bytes]]:
     path
         The file to make or replace; its folder must exist. Of a symbolic link, what it points to
         is replaced.
+
+    Yields
+    ------
+    file
+        Open for writing in binary.
 
     Raises
     ------
@@ -66,6 +74,7 @@ def atomic_write(path: Path | str) -> Iterator[IO[bytes]]:
                 os.fsync(descriptor)
             temporary.replace(target)
             _sync_folder(target.parent)
+        LOG.info("wrote %s", path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
@@ -99,6 +108,11 @@ def claim(path: Path | str) -> Iterator[None]:
     ----------
     path
         A file to be written, whose folder exists, or a folder that exists.
+
+    Yields
+    ------
+    None
+        While the block runs, others are kept out.
 
     Raises
     ------

@@ -13,13 +13,13 @@ from harmface.errors import FileError
 from harmface.io.clipping import Clipping
 from harmface.io.files import MAX_TEXT, excerpt, is_file_name, read_bytes
 from harmface.io.hot_pixels import without_hot_pixels
-from harmface.io.images import read_image
 from harmface.io.light_files import Lights, read_lights
 from harmface.io.matlab import read_matlab
 from harmface.io.photo_folders import Sorted, light_file_of, photographs_in, sort_photographs
 from harmface.io.photo_sets import yale_light
 from harmface.io.pictures import MAX_PIXELS, check_total, read_picture
 from harmface.io.tables import read_table
+from harmface.summaries import summary
 
 CHANNELS = ("red", "green", "blue")
 
@@ -61,6 +61,8 @@ class Capture:
     truth: Float[np.ndarray, "H W 3"] | None
     notes: tuple[str, ...]
 
+    __repr__ = summary
+
 
 def read_capture(
     paths: list[Path],
@@ -87,7 +89,7 @@ def read_capture(
     paths
         Photographs, or one folder of them.
     srgb
-        Whether values are encoded in sRGB and should be made linear.
+        Whether files that do not say how they are encoded are encoded in sRGB, see `read_image`.
     mask
         The mask's file; found among the photographs if not given.
     lights
@@ -104,6 +106,11 @@ def read_capture(
         Largest photograph read; all together may have 16 times as many pixels.
     report
         Told the fraction of the photographs that have been read.
+
+    Returns
+    -------
+    Capture
+        Photographs, mask, lights and truth, as far as there are such.
 
     Raises
     ------
@@ -140,19 +147,31 @@ def read_capture(
         known.distances if known is not None and positions else None,
         None if intensities is None else np.ones(len(names)),
         None if truth is None else _matlab_normals(truth, images.shape[1:]),
-        (*found.notes, *light_notes, *notes, *_encoding_notes(files, srgb)),
+        (*found.notes, *light_notes, *notes),
     )
 
 
 def read_mask(path: Path | str) -> Bool[np.ndarray, "H W"]:
     """Read a mask: True where an image is at least half as bright as at its brightest.
 
+    Parameters
+    ----------
+    path
+        A picture that `read_image` reads; what it says of its encoding does not matter.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (H, W), bool.
+
     Raises
     ------
     FileError
         If the file is no image, or black everywhere.
     """
-    image = read_image(path)
+    # Encoding moves no edge between black and white, and half grey is half of the codes.
+    picture = read_picture(path)
+    image = picture.values(False)
     grey = image.mean(axis=-1) if image.ndim == 3 else image
     if not grey.any():
         raise FileError(f"{path}: is an empty mask, black everywhere; paint the object white")
@@ -246,10 +265,11 @@ def _stack(
     clipping = Clipping()
     notes: list[str] = []
     full: float | None = None
+    guessed = False
     number = 0
     for path in files:
         picture = read_picture(path, max_pixels)
-        image, codes = picture.values(srgb), picture.codes
+        image, codes = picture.linear(srgb), picture.codes
         if image.shape[:2] != stack.shape[1:]:
             raise _other_size(path, image, files[0], stack[0])
         full = None if codes.dtype.kind == "f" else float(np.iinfo(codes.dtype).max)
@@ -270,6 +290,7 @@ def _stack(
             stack[number] = _one_channel(values, intensity)
             number += 1
         notes += picture.notes
+        guessed |= picture.srgb is None and path.suffix.lower() in (".jpg", ".jpeg")
         report(number / count)
     levels = clipping.levels(full)
     found = [f"{level:g}" for level in levels if level is not None]
@@ -286,6 +307,10 @@ def _stack(
         notes.append(
             f"{hot} hot pixels, each far brighter than its neighbours in one photograph alone, "
             "have the median of these"
+        )
+    if guessed and not srgb:
+        notes.append(
+            "JPEG files are hardly ever linear; if these come from a camera, say --gamma srgb"
         )
     return stack, saturated, notes
 
@@ -305,12 +330,6 @@ def _other_size(path: Path, image: np.ndarray, first: Path, like: np.ndarray) ->
         f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, {first.name} has "
         f"{like.shape[0]} x {like.shape[1]}; photographs and mask must be of one size"
     )
-
-
-def _encoding_notes(files: list[Path], srgb: bool) -> tuple[str, ...]:
-    if srgb or not any(path.suffix.lower() in (".jpg", ".jpeg") for path in files):
-        return ()
-    return ("JPEG files are hardly ever linear; if these come from a camera, say --gamma srgb",)
 
 
 def _matlab_normals(path: Path, shape: tuple[int, ...]) -> Float[np.ndarray, "H W 3"]:

@@ -16,6 +16,16 @@ from harmface.io.files import MAX_TEXT, PARSE_ERRORS, excerpt, read_bytes
 def read_coefficients(path: Path | str) -> Float[np.ndarray, "channels K"]:
     """Read lighting coefficients: a JSON object whose "coefficients" are channels x K.
 
+    Parameters
+    ----------
+    path
+        A file of `write_coefficients`, or of `harmface envmap project --out`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Radiance coefficients, shape (channels, K), float64.
+
     Raises
     ------
     FileError
@@ -33,12 +43,20 @@ def read_coefficients(path: Path | str) -> Float[np.ndarray, "channels K"]:
         reason = "it has no coefficients" if isinstance(error, KeyError) else excerpt(error)
         raise FileError(
             f"{path}: holds no lighting coefficients ({reason}); "
-            "make it with `harmface envmap project --json`"
+            "make it with `harmface envmap project --out`"
         ) from None
     return coefficients
 
 
 def write_coefficients(path: Path | str, coefficients: Float[np.ndarray, "channels K"]) -> None:
-    """Write lighting coefficients as `read_coefficients` reads them."""
+    """Write lighting coefficients as `read_coefficients` reads them.
+
+    Parameters
+    ----------
+    path
+        The file to make or replace.
+    coefficients
+        Radiance coefficients, shape (channels, K).
+    """
     with atomic_write(path) as file:
         file.write(json.dumps({"coefficients": coefficients.tolist()}, indent=1).encode() + b"\n")

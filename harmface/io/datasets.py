@@ -36,7 +36,23 @@ class Dataset:
         return [str(subject["name"]) for subject in self.manifest["subjects"]]
 
     def images(self, subject: str) -> Float[np.ndarray, "F H W"]:
-        """Return a subject's images, linear, in [0, 1]."""
+        """Return a subject's images, linear, in [0, 1].
+
+        Parameters
+        ----------
+        subject
+            Name of the subject.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (F, H, W), float64.
+
+        Raises
+        ------
+        FileError
+            If there is no such subject, or an image is missing, broken or of another size.
+        """
         record = self._record(subject)
         found = [read_image(self.folder / subject / image["file"]) for image in record["images"]]
         shapes = {image.shape for image in found}
@@ -45,12 +61,40 @@ class Dataset:
         return np.stack(found)
 
     def mask(self, subject: str) -> Bool[np.ndarray, "H W"]:
-        """Return where the subject covers a pixel."""
+        """Return where the subject covers a pixel.
+
+        Parameters
+        ----------
+        subject
+            Name of the subject.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (H, W), bool.
+        """
         self._record(subject)
         return read_image(self.folder / subject / "mask.png") > 0.5
 
     def lights(self, subject: str) -> tuple[Float[np.ndarray, "J 3"], Float[np.ndarray, "F J"]]:
-        """Return the directions of the lights, and the irradiance of each in each image."""
+        """Return the directions of the lights, and the irradiance of each in each image.
+
+        Parameters
+        ----------
+        subject
+            Name of the subject.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Unit vectors to the lights, (J, 3), and irradiances at normal incidence, (F, J); both
+            float64.
+
+        Raises
+        ------
+        FileError
+            If there is no such subject, or the manifest holds no lights of use.
+        """
         record = self._record(subject)
         try:
             directions = np.array(record["directions"], dtype=np.float64).reshape(-1, 3)
@@ -83,6 +127,11 @@ def read_dataset(folder: Path | str, *, max_bytes: int = MAX_TEXT) -> Dataset:
         Where it is.
     max_bytes
         Largest manifest read; in memory it takes some thirty times as much.
+
+    Returns
+    -------
+    Dataset
+        Its manifest is read, its images are not.
 
     Raises
     ------

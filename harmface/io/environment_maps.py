@@ -61,13 +61,18 @@ def read_environment_map(
         our layouts. Angular maps are read as by the program behind the published tables, see
         `file_layout`, unless their frame is "figure-3" or "debevec".
     srgb
-        Whether the values are encoded in sRGB, to be made linear; only for pictures that
-        `read_image` reads. They are taken as linear otherwise, with a warning at 8 bits unless
-        this is False.
+        Whether a picture that does not say how it is encoded is encoded in sRGB; only for
+        pictures that `read_image` reads. It is taken as linear otherwise, with a warning at 8 bits
+        unless this is False.
     part
         Which part, layer or view of an OpenEXR file to read, see `read_exr`.
     max_pixels
         Largest picture read.
+
+    Returns
+    -------
+    EnvironmentMap
+        Linear radiance, channels first.
 
     Raises
     ------
@@ -112,6 +117,11 @@ def file_layout(layout: str, frame: str | None = None) -> Layout:
         "latlong", "angular", "mirror-ball" or "cube".
     frame
         Whose convention the file follows, see `conventions.MAP_FRAMES`.
+
+    Returns
+    -------
+    Layout
+        Of the file's pixels.
     """
     if layout == "angular" and frame in (None, "rh01"):
         return RH01Probe()
@@ -159,14 +169,14 @@ def _read_pixels(path: Path | str, how: _Reading) -> Float[np.ndarray, "H W *cha
         return _READERS[suffix](path, max_pixels=how.max_pixels)
     picture = read_picture(path, how.max_pixels)
     notes = picture.notes
-    if how.srgb is None and picture.bits == 8:
+    if how.srgb is None and picture.srgb is None and picture.bits == 8:
         notes += (
             f"{path}: holds 8 bits, which are taken as linear; if it looks right on a screen they "
             "are sRGB: say srgb=True (--srgb, or --srgb-environment)",
         )
     for note in notes:
         warnings.warn(note, FileWarning, stacklevel=2)
-    return picture.values(bool(how.srgb))
+    return picture.linear(bool(how.srgb))
 
 
 def _read_cube(

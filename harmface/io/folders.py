@@ -13,6 +13,13 @@ def prepare_folder(folder: Path, names: list[str]) -> None:
 
     Hidden files of the package's own do not count; those that a killed process left are removed.
 
+    Parameters
+    ----------
+    folder
+        Made if missing.
+    names
+        Names of all files that may be in it.
+
     Raises
     ------
     FileError
@@ -30,6 +37,18 @@ def prepare_folder(folder: Path, names: list[str]) -> None:
 @contextmanager
 def output_folder(folder: Path, names: list[str]) -> Iterator[None]:
     """Hold a folder, see `prepare_folder`, against other processes while it is written to.
+
+    Parameters
+    ----------
+    folder
+        Made if missing.
+    names
+        Names of all files that may be in it.
+
+    Yields
+    ------
+    None
+        While the block runs, others are kept out.
 
     Raises
     ------

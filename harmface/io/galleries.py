@@ -22,6 +22,13 @@ OPTIONAL = ("lights", HARMONIC, SHADOWED)
 def write_gallery(path: Path | str, classifier: SubjectClassifier) -> None:
     """Write a fitted classifier, whose method is a name, and its gallery to a versioned NPZ file.
 
+    Parameters
+    ----------
+    path
+        The file to make or replace.
+    classifier
+        Fitted, with the name of a method.
+
     Raises
     ------
     ArgumentError
@@ -52,6 +59,16 @@ def write_gallery(path: Path | str, classifier: SubjectClassifier) -> None:
 
 def read_gallery(path: Path | str) -> SubjectClassifier:
     """Read a classifier that `write_gallery` wrote; nothing is fitted again.
+
+    Parameters
+    ----------
+    path
+        A file of `write_gallery`, or of `harmface enroll`.
+
+    Returns
+    -------
+    SubjectClassifier
+        Ready to predict.
 
     Raises
     ------

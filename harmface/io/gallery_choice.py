@@ -23,6 +23,11 @@ def choose_gallery(photographs: list[Photograph], gallery: str) -> Bool[np.ndarr
         under frontal light; "first:N": the first of each subject; else a text file of names, with
         or without their folders.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), bool.
+
     Raises
     ------
     ArgumentError

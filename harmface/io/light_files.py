@@ -11,6 +11,7 @@ from harmface.conventions import light_direction
 from harmface.errors import FileError
 from harmface.io.files import excerpt
 from harmface.io.tables import Table, read_table
+from harmface.summaries import summary
 
 UNIT = 0.02
 """Departure of a length from 1 that counts as a unit vector's: two decimals are off by 0.0087."""
@@ -41,6 +42,8 @@ class Lights:
     distances: Float[np.ndarray, "F"]
     intensities: Float[np.ndarray, "F"] | None
     notes: tuple[str, ...] = ()
+
+    __repr__ = summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +99,11 @@ def read_lights(
         Their file names, to find them in a file that names them.
     positions
         Whether x y z are places of lamps, whose lengths mean something.
+
+    Returns
+    -------
+    Lights
+        One for each image, in their order.
 
     Raises
     ------

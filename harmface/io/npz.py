@@ -67,6 +67,20 @@ def read_npz(
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Return the arrays and attributes of a file that `write_npz` made.
 
+    Parameters
+    ----------
+    path
+        A file of `write_npz`.
+    kind
+        What it must hold.
+    version
+        Version of that kind that it must be.
+
+    Returns
+    -------
+    tuple
+        Arrays by name, and attributes by name.
+
     Raises
     ------
     FileError
@@ -103,16 +117,16 @@ def read_npz(
 
 def _check_sizes(data: bytes) -> None:
     """Refuse arrays that are too large, or that ask for other memory than their bytes fill."""
-    left = max(MAX_BYTES, _PACKED * len(data))
+    remaining = max(MAX_BYTES, _PACKED * len(data))
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         members = archive.infolist()
         if len(members) > _MAX_MEMBERS:
             raise ValueError(f"it has {len(members)} arrays, {_MAX_MEMBERS} at most are read")
         for member in members:
-            left -= member.file_size
+            remaining -= member.file_size
             if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
                 raise ValueError(f"{member.filename} is compressed in another way than by deflate")
-            if left < 0:
+            if remaining < 0:
                 raise ValueError(f"its arrays take more than {MAX_BYTES} bytes")
             with archive.open(member) as file:
                 shape, _, dtype = npy_header(file)

@@ -67,6 +67,11 @@ def find_photographs(
         Whether photographs may lie in the folder itself, too; then their subject is "", and there
         need not be two.
 
+    Returns
+    -------
+    list of Photograph
+        Sorted by subject and name.
+
     Raises
     ------
     FileError

@@ -1,5 +1,6 @@
 """Pictures as files hold them: decoded by OpenImageIO, turned the right way up."""
 
+import logging
 import re
 import zlib
 from collections.abc import Iterator
@@ -14,7 +15,9 @@ from jaxtyping import Float, Num, UInt
 from harmface.conventions import srgb_to_linear
 from harmface.errors import FileError
 from harmface.io.files import PARSE_ERRORS, check_regular, excerpt, read_bytes
-from harmface.io.png import SIGNATURE, check_png, png_size
+from harmface.io.png import SIGNATURE, check_png, png_encoding, png_size
+
+LOG = logging.getLogger(__name__)
 
 FORMATS = ("png", "pnm", "tiff", "jpeg", "bmp", "webp", "targa")
 """Formats that are decoded, as OpenImageIO names them; pnm is PBM, PGM and PPM."""
@@ -54,16 +57,40 @@ class Picture:
         are; None if they were not.
     notes
         What to know of how the file was read.
+    srgb
+        Whether the file says that it is encoded in sRGB, or linear; None if it says neither.
+    opacity
+        Share of each pixel that is covered, in [0, 1]; None if all are.
     """
 
     codes: Num[np.ndarray, "H W *channels"]
     largest: int | None
     notes: tuple[str, ...]
+    srgb: bool | None = None
+    opacity: Float[np.ndarray, "H W"] | None = None
 
     @property
     def bits(self) -> int:
         """Bits of a channel of a pixel."""
         return self.codes.dtype.itemsize * 8
+
+    def linear(self, srgb: bool) -> Float[np.ndarray, "H W *channels"]:
+        """Return linear values on black, float64: what the file says of its encoding is believed.
+
+        Parameters
+        ----------
+        srgb
+            Whether a file that does not say how it is encoded is encoded in sRGB.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (H, W) or (H, W, 3); what is transparent is black.
+        """
+        values = self.values(srgb if self.srgb is None else self.srgb)
+        if self.opacity is None:
+            return values
+        return values * (self.opacity if values.ndim == 2 else self.opacity[..., None])
 
     def values(self, srgb: bool) -> Float[np.ndarray, "H W *channels"]:
         """Return values, float64: codes over the largest one, or real numbers as they are.
@@ -72,6 +99,11 @@ class Picture:
         ----------
         srgb
             Whether they are encoded in sRGB and should be made linear.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (H, W) or (H, W, 3), without opacity.
         """
         if self.codes.dtype.kind == "f" or self.codes.dtype.itemsize > 2:
             real = self.codes.dtype.kind == "f"
@@ -89,7 +121,7 @@ class Picture:
         return _looked_up(meant, self.codes)
 
 
-def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS, *, opaque: bool = True) -> Picture:
+def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS) -> Picture:
     """Decode a picture: PNG, PBM, PGM, PPM, TIFF, JPEG, BMP, WebP or, by its name, TGA.
 
     The orientation that the file names (EXIF) is applied.
@@ -100,19 +132,21 @@ def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS, *, opaque: bool
         The file.
     max_pixels
         Largest picture decoded.
-    opaque
-        Whether a picture that is partly transparent is refused; otherwise its colours are
-        returned without their opacity.
+
+    Returns
+    -------
+    Picture
+        Its codes, and its opacity beside them.
 
     Raises
     ------
     FileError
-        If the file is missing, no such picture, damaged, larger than `max_pixels`, partly
-        transparent, of several pages, or neither grey nor RGB.
+        If the file is missing, no such picture, damaged, larger than `max_pixels`, of several
+        pages, or neither grey nor RGB.
     """
     path = Path(path)
     size = check_regular(path)
-    _check_parts(path, max_pixels)
+    said = _check_parts(path, max_pixels)
     with opened(path) as source:
         kind = source.format_name()
         # A TGA file has no signature, so that much else looks like one: only its name tells.
@@ -130,8 +164,18 @@ def read_picture(path: Path | str, max_pixels: int = MAX_PIXELS, *, opaque: bool
         notes = _notes(path, source, spec)
         if kind != "jpeg" and source.seek_subimage(1, 0):
             raise FileError(f"{path}: holds several pages; save each as a file of its own")
-    codes = _colours(path, codes, spec, opaque)
-    return Picture(oriented(codes, spec.getattribute("Orientation") or 1), largest, notes)
+        if kind == "jpeg" and spec.getattribute("Exif:ColorSpace") == 1:
+            said = True
+    turn = spec.getattribute("Orientation") or 1
+    colours, opacity = _colours(path, codes, spec)
+    LOG.info("read %s: %s of %d x %d pixels", path, kind, spec.width, spec.height)
+    return Picture(
+        oriented(colours, turn),
+        largest,
+        notes,
+        said,
+        None if opacity is None else oriented(opacity, turn),
+    )
 
 
 @contextmanager
@@ -233,19 +277,22 @@ def _check_channels(path: Path, spec: Any) -> None:
         )
 
 
-def _colours(path: Path, codes: np.ndarray, spec: Any, opaque: bool) -> np.ndarray:
-    """Return grey codes as (H, W), or RGB, of what may have an alpha channel, which is full."""
+def _colours(
+    path: Path, codes: np.ndarray, spec: Any
+) -> tuple[np.ndarray, Float[np.ndarray, "H W"] | None]:
+    """Return grey codes as (H, W), or RGB, and the opacity of what is partly transparent."""
     alpha = spec.alpha_channel
     kept = [index for index in range(codes.shape[2]) if index != alpha]
-    if alpha >= 0 and opaque:
-        full = 1 if codes.dtype.kind == "f" else np.iinfo(codes.dtype).max
-        if (codes[..., alpha] != full).any():
-            raise FileError(f"{path}: is partly transparent; flatten it onto a background")
     if codes.dtype.kind == "i":
         raise FileError(f"{path}: holds signed integers; convert it to PNG")
     if codes.dtype.kind == "f" and not np.isfinite(codes).all():
         raise FileError(f"{path}: holds NaN or infinite values; mend them")
-    return codes[..., 0] if len(kept) == 1 else codes[..., kept]
+    opacity = None
+    if alpha >= 0:
+        full = 1.0 if codes.dtype.kind == "f" else float(np.iinfo(codes.dtype).max)
+        if (codes[..., alpha] != full).any():
+            opacity = np.clip(codes[..., alpha] / full, 0.0, 1.0)
+    return codes[..., 0] if len(kept) == 1 else codes[..., kept], opacity
 
 
 def _notes(path: Path, source: Any, spec: Any) -> tuple[str, ...]:
@@ -261,18 +308,22 @@ def _notes(path: Path, source: Any, spec: Any) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _check_parts(path: Path, max_pixels: int) -> None:
-    """Refuse PNG and JPEG files that are not to be opened: opening decodes, or speaks on stderr."""
+def _check_parts(path: Path, max_pixels: int) -> bool | None:
+    """Refuse PNG and JPEG files that are not to be opened: opening decodes, or speaks on stderr.
+
+    Returns what a PNG file says of its encoding, see `png_encoding`.
+    """
     with path.open("rb") as file:
         start = file.read(len(SIGNATURE))
     if start.startswith(_JPEG):
         _check_scans(path, read_bytes(path))
     if start != SIGNATURE:
-        return
+        return None
     data = read_bytes(path)
     try:
         check_size(path, *png_size(data), max_pixels)
         check_png(data)
+        return png_encoding(data)
     except FileError:
         raise
     except (ValueError, zlib.error) as error:

@@ -1,4 +1,7 @@
-"""Whether a PNG file is whole: libpng, below OpenImageIO, writes to stderr of one that is not."""
+"""What a PNG file says of its encoding, and whether it is whole.
+
+libpng, below OpenImageIO, writes to stderr of a file that is not whole.
+"""
 
 import math
 import struct
@@ -11,6 +14,10 @@ SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 MAX_SIDE = 1_000_000
 """Most rows or columns that libpng takes."""
+
+_GAMMA_UNIT = 100_000
+_SRGB_GAMMA = 45_455
+"""The gAMA chunk of sRGB: 1 / 2.2, which stands for its curve where there is no sRGB chunk."""
 
 # Channels and bits of each colour type (PNG specification, table 11.1).
 _CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
@@ -34,6 +41,60 @@ def png_size(data: bytes) -> tuple[int, int]:
         raise ValueError("its header is damaged")
     width, height = struct.unpack_from(">II", data, 16)
     return width, height
+
+
+def png_encoding(data: bytes) -> bool | None:
+    """Return whether a whole PNG file says that it is sRGB-encoded, or linear; None if neither.
+
+    Of the chunks that may say so the first of sRGB, iCCP (by the profile's name) and gAMA counts,
+    as the PNG specification ranks them. A gAMA of neither 1 nor 1 / 2.2 is no statement.
+
+    Parameters
+    ----------
+    data
+        The file, see `check_png`.
+
+    Returns
+    -------
+    bool or None
+        True for sRGB, False for linear.
+    """
+    said: dict[bytes, memoryview] = {}
+    for name, body in _chunks(data):
+        if name == b"IDAT":
+            break
+        said.setdefault(name, body)
+    if b"sRGB" in said or bytes(said.get(b"iCCP", b"")).startswith(b"sRGB"):
+        return True
+    gamma = int.from_bytes(said.get(b"gAMA", b""), "big")
+    if b"iCCP" in said:
+        return None
+    return {_GAMMA_UNIT: False, _SRGB_GAMMA: True}.get(gamma)
+
+
+def with_encoding(data: bytes, srgb: bool) -> bytes:
+    """Return a PNG file that says how its values are encoded.
+
+    Parameters
+    ----------
+    data
+        The file, without such a statement.
+    srgb
+        Whether they are sRGB-encoded; linear otherwise.
+
+    Returns
+    -------
+    bytes
+        The file with chunks sRGB and gAMA, or gAMA alone, behind its header.
+    """
+    parts = [(b"sRGB", b"\0")] if srgb else []
+    parts.append((b"gAMA", struct.pack(">I", _SRGB_GAMMA if srgb else _GAMMA_UNIT)))
+    chunks = b"".join(
+        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+        for name, body in parts
+    )
+    header_end = len(SIGNATURE) + 25
+    return data[:header_end] + chunks + data[header_end:]
 
 
 def check_png(data: bytes) -> None:

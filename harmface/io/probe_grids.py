@@ -14,6 +14,13 @@ VERSION = 1
 def write_probe_grid(path: Path | str, grid: ProbeGrid) -> None:
     """Write a probe grid as NPZ, with a digest of its bytes.
 
+    Parameters
+    ----------
+    path
+        The file to make or replace.
+    grid
+        What to write.
+
     Raises
     ------
     FileError
@@ -25,6 +32,16 @@ def write_probe_grid(path: Path | str, grid: ProbeGrid) -> None:
 
 def read_probe_grid(path: Path | str) -> ProbeGrid:
     """Return the probe grid of a file that `write_probe_grid` made.
+
+    Parameters
+    ----------
+    path
+        A file of `write_probe_grid`.
+
+    Returns
+    -------
+    ProbeGrid
+        With coefficients as they were written.
 
     Raises
     ------

@@ -22,7 +22,18 @@ _ARRAYS = ("normals.npy", "albedo.npy", "depth.npy", "confidence.npy")
 
 
 def surface_files(mesh_format: str) -> list[str]:
-    """Return the names of all files that `write_surface` makes."""
+    """Return the names of all files that `write_surface` makes.
+
+    Parameters
+    ----------
+    mesh_format
+        A key of `MESH_FILES`.
+
+    Returns
+    -------
+    list of str
+        Names of files.
+    """
     return [*_ARRAYS, "mask.png", *MESH_FILES[mesh_format]]
 
 

@@ -29,6 +29,11 @@ def directional_lights(light: DistantLight, max_degree: int) -> Float[np.ndarray
     max_degree
         Highest degree.
 
+    Returns
+    -------
+    numpy.ndarray
+        Radiance coefficients, shape `(*channels, K)`.
+
     Examples
     --------
     >>> overhead = DistantLight(np.array([[0.0, 1.0, 0.0]]), np.array([2.0]))
@@ -56,6 +61,11 @@ def disc(
         What a surface that faces the disc receives, not negative: one number or one a channel.
     max_degree
         Highest degree.
+
+    Returns
+    -------
+    numpy.ndarray
+        Radiance coefficients, shape `(*channels, K)`.
 
     Raises
     ------
@@ -89,6 +99,11 @@ def cone(
     max_degree
         Highest degree.
 
+    Returns
+    -------
+    numpy.ndarray
+        Radiance coefficients, shape `(*channels, K)`.
+
     Raises
     ------
     ArgumentError
@@ -105,7 +120,22 @@ def hemisphere(
     radiance: Float[np.ndarray, "*channels"] | float,
     max_degree: int,
 ) -> Float[np.ndarray, "*channels K"]:
-    """Return the coefficients of the same radiance from all of a hemisphere, see `cone`."""
+    """Return the coefficients of the same radiance from all of a hemisphere, see `cone`.
+
+    Parameters
+    ----------
+    direction
+        Unit vector to the hemisphere's pole.
+    radiance
+        Not negative: one number or one a channel.
+    max_degree
+        Highest degree.
+
+    Returns
+    -------
+    numpy.ndarray
+        Radiance coefficients, shape `(*channels, K)`.
+    """
     return cone(direction, np.pi / 2, radiance, max_degree)
 
 
@@ -113,6 +143,23 @@ def ambient(
     radiance: Float[np.ndarray, "*channels"] | float, max_degree: int
 ) -> Float[np.ndarray, "*channels K"]:
     """Return the coefficients of the same radiance from everywhere: `sqrt(4 pi)` times it, at 0.
+
+    Parameters
+    ----------
+    radiance
+        Not negative: one number or one a channel.
+    max_degree
+        Highest degree.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, K)`, in the precision of `radiance`.
+
+    Raises
+    ------
+    ArgumentError
+        If the radiance is negative or not finite.
 
     Examples
     --------
@@ -130,14 +177,24 @@ def add_lights(*coefficients: Float[np.ndarray, "..."]) -> Float[np.ndarray, "*c
 
     Parameters
     ----------
-    coefficients
+    *coefficients
         Coefficients of each; their leading axes broadcast, so that grey joins colour, and a light
         of lower degree counts as zero above it.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (..., K) of the highest degree among them.
 
     Raises
     ------
     ArgumentError
         If there is none.
+
+    Examples
+    --------
+    >>> add_lights(np.array([1.0]), np.array([0.0, 1.0, 2.0, 3.0]))
+    array([1., 1., 2., 3.])
     """
     if not coefficients:
         raise ArgumentError("coefficients of at least one light are needed")

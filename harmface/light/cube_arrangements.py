@@ -52,6 +52,16 @@ def faces_from_image(image: Shaped[np.ndarray, "..."]) -> Shaped[np.ndarray, "..
     """Cut a cross or strip `(H, W)` or `(H, W, C)` into faces `(6, N, N)` or `(6, N, N, C)`.
 
     The arrangement follows from the ratio of the sides; the empty cells of a cross are not read.
+
+    Parameters
+    ----------
+    image
+        Shape (H, W) or (H, W, C), any dtype.
+
+    Returns
+    -------
+    numpy.ndarray
+        Faces +x -x +y -y +z -z, seen from inside.
     """
     name = arrangement_of(image.shape)
     side = image.shape[0] // _grid(name)[0]
@@ -65,7 +75,25 @@ def faces_from_image(image: Shaped[np.ndarray, "..."]) -> Shaped[np.ndarray, "..
 def image_from_faces(
     faces: Shaped[np.ndarray, "6 N N *channels"], arrangement: str = "vertical-strip"
 ) -> Shaped[np.ndarray, "..."]:
-    """Lay faces out in one image, the inverse of `faces_from_image`; empty cells are 0."""
+    """Lay faces out in one image, the inverse of `faces_from_image`; empty cells are 0.
+
+    Parameters
+    ----------
+    faces
+        Faces +x -x +y -y +z -z, shape (6, N, N) or (6, N, N, C).
+    arrangement
+        One of `ARRANGEMENTS`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (H, W) or (H, W, C), in the dtype of `faces`.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such arrangement.
+    """
     if arrangement not in _CELLS:
         raise ArgumentError(
             f"arrangement must be one of {', '.join(ARRANGEMENTS)}, got {arrangement!r}"
@@ -87,6 +115,16 @@ def faces_from_opengl(
     OpenGL's faces have +y up as ours do, but -z -> right on +x, +z on -x, +x on +z, -x on -z,
     and -z up on +y, +z on -y (OpenGL 4.6 core, table 8.19): the mirror images of ours, left for
     right on the four sides and top for bottom on +y and -y.
+
+    Parameters
+    ----------
+    faces
+        Faces in OpenGL's order, shape (6, N, N) or (6, N, N, C).
+
+    Returns
+    -------
+    numpy.ndarray
+        In the same shape and dtype.
     """
     ours = faces[:, :, ::-1].copy()
     ours[2:4] = faces[2:4, ::-1]

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.light.layouts import LAYOUTS
+from harmface.summaries import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,8 @@ class DistantLight:
 
     directions: Float[np.ndarray, "J 3"]
     irradiances: Float[np.ndarray, "*channels J"]
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         directions = checks.unit_vectors("directions", self.directions)
@@ -57,11 +60,33 @@ class DistantLight:
         )
 
     def total(self) -> Float[np.ndarray, "*channels"]:
-        """Return the sum of all irradiances at normal incidence."""
+        """Return the sum of all irradiances at normal incidence.
+
+        Returns
+        -------
+        numpy.ndarray
+            Irradiance, one number for each of the leading axes.
+        """
         return np.asarray(self.irradiances.sum(axis=-1))
 
     def rotated(self, rotation: Float[np.ndarray, "3 3"]) -> "DistantLight":
-        """Return the lights at `rotation @ direction`."""
+        """Return the lights at `rotation @ direction`.
+
+        Parameters
+        ----------
+        rotation
+            Rotation matrix, shape (3, 3).
+
+        Returns
+        -------
+        DistantLight
+            With the same irradiances.
+
+        Raises
+        ------
+        ArgumentError
+            If `rotation` is no rotation matrix.
+        """
         turned = self.directions @ checks.rotation("rotation", rotation).T
         return type(self)(turned.astype(self.directions.dtype), self.irradiances)
 
@@ -72,6 +97,18 @@ class DistantLight:
 
         Lights in one cell of a cube of at most `n_directions` cells become one, at the centroid of
         their power over all channels, or of `solid_angles` (by default all alike) in a dark cell.
+
+        Parameters
+        ----------
+        n_directions
+            Most lights to return; at least 6 cells are used.
+        solid_angles
+            Weights, steradians, of lights where all are dark.
+
+        Returns
+        -------
+        DistantLight
+            At most `n_directions` lights, or 6.
         """
         cube = LAYOUTS["cube"]
         side = max(1, math.isqrt(n_directions // 6))

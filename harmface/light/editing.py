@@ -31,6 +31,11 @@ def set_coefficient(
     value
         The new value: one number or one a channel.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, K)`.
+
     Raises
     ------
     ArgumentError
@@ -49,6 +54,27 @@ def scale_coefficient(
     factor: Float[np.ndarray, "*channels"] | float,
 ) -> Float[np.ndarray, "*channels K"]:
     """Return light with one coefficient multiplied, see `set_coefficient`.
+
+    Parameters
+    ----------
+    coefficients
+        Lighting coefficients, shape `(*channels, K)`; they are not changed.
+    degree
+        Degree `l` of the coefficient.
+    order
+        Its order `m`.
+    factor
+        One number or one a channel.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, K)`.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such harmonic among the coefficients, or a factor is not finite.
 
     Examples
     --------
@@ -77,6 +103,11 @@ def animate_coefficient(
         Which, as in `set_coefficient`.
     factors
         One for every frame.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(frames, *channels, K)`.
 
     Raises
     ------

@@ -10,6 +10,7 @@ from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.light.distant_light import DistantLight
 from harmface.light.layouts import Layout, layout_named
+from harmface.summaries import summary
 
 FRAME_TOLERANCE = 1e-6
 """Departure from orthogonality that float32 matrices may have."""
@@ -50,6 +51,8 @@ class EnvironmentMap:
     layout: Layout
     frame: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
 
+    __repr__ = summary
+
     def __post_init__(self) -> None:
         radiance = checks.floating("radiance", self.radiance)
         if radiance.size == 0:
@@ -78,6 +81,11 @@ class EnvironmentMap:
             A layout or its name.
         frame
             As for the class.
+
+        Raises
+        ------
+        ArgumentError
+            If the image's shape is not one of the layout, or a value is negative or not finite.
         """
         layout = layout_named(layout)
         image = checks.floating("radiance", image)
@@ -115,19 +123,51 @@ class EnvironmentMap:
         return self.layout.solid_angles(self.height)
 
     def as_image(self) -> Float[np.ndarray, "..."]:
-        """Return the radiance with its channels last, `(*pixels, channels)`."""
+        """Return the radiance with its channels last, `(*pixels, channels)`.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape `(*pixels,)` or `(*pixels, channels)`, a view where that is possible.
+
+        Raises
+        ------
+        ArgumentError
+            If the map has more than one axis of channels.
+        """
         if len(self.channels) > 1:
             raise ArgumentError(f"an image has one axis of channels, got {self.channels}")
         return np.moveaxis(self.radiance, 0, -1) if self.channels else self.radiance
 
     def total(self) -> Float[np.ndarray, "*channels"]:
-        """Return the integral of radiance over all directions, what RH01 calls total intensity."""
+        """Return the integral of radiance over all directions, what RH01 calls total intensity.
+
+        Returns
+        -------
+        numpy.ndarray
+            Radiance times steradians, one number for each channel.
+        """
         return np.tensordot(self.radiance, self.solid_angles, axes=self.layout.axes)
 
     def rotated(self, rotation: Float[np.ndarray, "3 3"]) -> "EnvironmentMap":
         """Return the map with its light turned: `d` now shows what `rotation.T @ d` did.
 
         Nothing is resampled; the frame turns.
+
+        Parameters
+        ----------
+        rotation
+            Rotation matrix, shape (3, 3).
+
+        Returns
+        -------
+        EnvironmentMap
+            With the same pixels and another frame.
+
+        Raises
+        ------
+        ArgumentError
+            If `rotation` is no rotation matrix.
         """
         return type(self)(
             self.radiance, self.layout, checks.rotation("rotation", rotation) @ self.frame
@@ -145,6 +185,11 @@ class EnvironmentMap:
         ----------
         n_directions
             At most so many lights, at least 6; by default each pixel is its own.
+
+        Returns
+        -------
+        DistantLight
+            Irradiance at normal incidence of each direction: radiance times solid angle.
 
         Raises
         ------

@@ -23,6 +23,11 @@ def transformed(
     matrix
         An orthogonal matrix, of determinant +1 or -1.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, K)`, in the precision of `coefficients`.
+
     References
     ----------
     .. [RH01] Ramamoorthi and Hanrahan, An Efficient Representation for Irradiance Environment

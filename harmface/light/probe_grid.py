@@ -14,6 +14,7 @@ from jaxtyping import Float
 from harmface import checks
 from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
+from harmface.summaries import summary
 
 if TYPE_CHECKING:
     from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
@@ -42,6 +43,8 @@ class ProbeGrid:
     spacing: Float[np.ndarray, "3"]
     coefficients: Float[np.ndarray, "X Y Z *channels_K"]
 
+    __repr__ = summary
+
     def __post_init__(self) -> None:
         origin = checks.finite("origin", self.origin)
         spacing = checks.finite("spacing", self.spacing)
@@ -62,10 +65,20 @@ class ProbeGrid:
 
         A point outside the grid has the light of the nearest point on its surface.
 
+        Parameters
+        ----------
+        points
+            Positions in the unit of `spacing`, shape (..., 3).
+
         Returns
         -------
         numpy.ndarray
             `(*points, *channels, K)`.
+
+        Raises
+        ------
+        ArgumentError
+            If a position is not finite or the last axis is not of three.
         """
         points = checks.finite("points", checks.vectors("points", points))
         limits = np.array(self.coefficients.shape[:3]) - 1
@@ -104,6 +117,8 @@ class ScatteredProbes:
     positions: Float[np.ndarray, "P 3"]
     coefficients: Float[np.ndarray, "P *channels_K"]
 
+    __repr__ = summary
+
     def __post_init__(self) -> None:
         positions = checks.finite("positions", checks.vectors("positions", self.positions))
         coefficients = checks.finite("coefficients", self.coefficients)
@@ -122,10 +137,20 @@ class ScatteredProbes:
 
         A point outside all of them has the light of the nearest probe.
 
+        Parameters
+        ----------
+        points
+            Positions in the unit of `positions`, shape (..., 3).
+
         Returns
         -------
         numpy.ndarray
             `(*points, *channels, K)`.
+
+        Raises
+        ------
+        ArgumentError
+            If a position is not finite or the last axis is not of three.
         """
         points = checks.finite("points", checks.vectors("points", points))
         flat = points.reshape(-1, 3)

@@ -64,6 +64,11 @@ def published_probe(name: str) -> Float[np.ndarray, "3 9"]:
     name
         "grace", "eucalyptus" or "st-peters".
 
+    Returns
+    -------
+    numpy.ndarray
+        Red, green and blue, shape (3, 9), float64; in the unit of the published tables.
+
     Raises
     ------
     ArgumentError

@@ -68,6 +68,11 @@ def resample(environment: EnvironmentMap, layout: str | Layout, height: int) -> 
     height
         The new height, of a face for a cube.
 
+    Returns
+    -------
+    EnvironmentMap
+        With the same channels and precision.
+
     Raises
     ------
     ArgumentError

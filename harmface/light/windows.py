@@ -36,6 +36,11 @@ def hann_window(max_degree: int, width: float | None = None) -> Float[np.ndarray
     width
         Where the window reaches zero, above 0; by default at the first degree left out.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (max_degree + 1,), float64.
+
     Examples
     --------
     >>> hann_window(2).round(6)
@@ -49,6 +54,18 @@ def lanczos_window(max_degree: int, width: float | None = None) -> Float[np.ndar
     """Return `sin(pi l / width) / (pi l / width)` for every degree `l`, and 0 beyond the width.
 
     The arguments are those of `hann_window`.
+
+    Parameters
+    ----------
+    max_degree
+        Highest degree.
+    width
+        Degree from which on weights are 0; `max_degree + 1` if not given.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (max_degree + 1,), float64.
     """
     degree, width = _ramp(max_degree, width)
     return np.where(degree < width, np.sinc(degree / width), 0)
@@ -127,6 +144,18 @@ def windowed(
     coefficients: Float[np.ndarray, "*channels K"], window: Float[np.ndarray, "L"]
 ) -> Float[np.ndarray, "*channels K"]:
     """Return coefficients with each degree multiplied by its weight.
+
+    Parameters
+    ----------
+    coefficients
+        Lighting coefficients, shape `(*channels, K)`.
+    window
+        A weight for each degree.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, K)`.
 
     Raises
     ------

@@ -13,6 +13,7 @@ from harmface.pca.lighting_pca import LightingPCA, lighting_pca
 from harmface.pca.pixels import visible_pixels
 from harmface.reflectance import lambert_per_coefficient
 from harmface.sphere import real_harmonics
+from harmface.summaries import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,8 @@ class AnalyticPCA(LightingPCA):
     albedo: Float[np.ndarray, "*pixels"]
     weights: Float[np.ndarray, "*pixels"]
 
+    __repr__ = summary
+
     def modes(self, count: int) -> Float[np.ndarray, "count *pixels"]:
         """Return the first modes as images, computed now, pixels of weight 0 black.
 
@@ -44,6 +47,16 @@ class AnalyticPCA(LightingPCA):
         ----------
         count
             How many, at most the number of eigenvalues above zero.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape `(count, *pixels)`, of unit length over the weighted pixels.
+
+        Raises
+        ------
+        ArgumentError
+            If `count` is below 1 or more than there are.
         """
         count = checks.positive_integer("count", count)
         if count > len(self.expansion):
@@ -57,7 +70,7 @@ class AnalyticPCA(LightingPCA):
         images = np.zeros((count, self.weights.size), normals.dtype)
         for some in chunks(len(seen), CHUNK):
             pixels = seen[some]
-            shading = expansion @ real_harmonics(normals[pixels], self.degree)
+            shading = expansion @ real_harmonics(normals[pixels], self.max_degree)
             images[:, pixels] = shading * albedo[pixels]
         return images.reshape(count, *self.weights.shape)
 
@@ -67,7 +80,7 @@ def analytic_pca(
     albedo: Float[np.ndarray, "*pixels"] | None = None,
     weights: Float[np.ndarray, "*pixels"] | None = None,
     light: LightDistribution | None = None,
-    degree: int = 8,
+    max_degree: int = 8,
     subtract_mean: bool = True,
 ) -> AnalyticPCA:
     """Return the principal components of an object's images under varying light.
@@ -87,10 +100,15 @@ def analytic_pca(
     light
         How the light varies; by default one directional light of irradiance 1, uniform over
         the sphere.
-    degree
+    max_degree
         Highest degree of the harmonics.
     subtract_mean
         Whether components are about the mean image, or else about black.
+
+    Returns
+    -------
+    AnalyticPCA
+        Eigenvalues in falling order, as many as there are harmonics that a surface reflects.
 
     Raises
     ------
@@ -103,7 +121,7 @@ def analytic_pca(
     Two pixels, and light from anywhere: it brightens both, or one against the other.
 
     >>> two = np.array([[-0.6, 0, 0.8], [0.6, 0, 0.8]])
-    >>> pca = analytic_pca(two, degree=1)
+    >>> pca = analytic_pca(two, max_degree=1)
     >>> pca.fractions.round(3)
     array([0.64, 0.36, 0.  , 0.  ])
     >>> pca.modes(2).round(3)
@@ -113,8 +131,8 @@ def analytic_pca(
     normals, albedo, weights = visible_pixels(normals, albedo, weights)
     seen = weights > 0
     # Odd degrees above 1 are not reflected: more than a third of all harmonics.
-    reflected = np.flatnonzero(lambert_per_coefficient(degree))
+    reflected = np.flatnonzero(lambert_per_coefficient(max_degree))
     squared_albedo = weights[seen] * np.square(albedo[seen])
-    gram = harmonic_gram(normals[seen], squared_albedo, degree, reflected)
+    gram = harmonic_gram(normals[seen], squared_albedo, max_degree, reflected)
     pca = lighting_pca(gram, light, subtract_mean=subtract_mean)
     return AnalyticPCA(pca.eigenvalues, pca.expansion, normals, albedo, weights)

@@ -58,6 +58,11 @@ def compare(
     rng
         Draws the bootstrap samples.
 
+    Returns
+    -------
+    Comparison
+        Shares side by side, principal angles in degrees, and correlations of the modes.
+
     Raises
     ------
     ArgumentError
@@ -104,6 +109,16 @@ def bootstrap_interval(
         Draws the samples.
     level
         Probability that the interval is meant to cover, in (0, 1).
+
+    Returns
+    -------
+    numpy.ndarray
+        Lower and upper bound of each share, shape (2, count), in [0, 1].
+
+    Raises
+    ------
+    ArgumentError
+        If `level` does not lie between 0 and 1.
     """
     if not 0 < level < 1:
         raise ArgumentError(f"level must lie between 0 and 1, got {level}")

@@ -9,6 +9,7 @@ from harmface import checks
 from harmface.conventions import degrees, harmonic_count, max_degree_of
 from harmface.errors import ArgumentError
 from harmface.sphere import real_harmonics
+from harmface.summaries import summary
 
 FRONT = np.array([0.0, 0.0, 1.0])
 """The direction from the object to the viewer."""
@@ -34,6 +35,8 @@ class LightDistribution:
 
     mean: Float[np.ndarray, "K"]
     covariance: Float[np.ndarray, "K K"]
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         mean = checks.finite("mean", self.mean)
@@ -70,15 +73,20 @@ class LightDistribution:
         return self.covariance + np.outer(self.mean, self.mean)
 
 
-def uniform_lights(degree: int) -> LightDistribution:
+def uniform_lights(max_degree: int) -> LightDistribution:
     """Return one directional light of irradiance 1, uniform over the sphere.
 
     Its second moment is the identity over 4 pi; degree 0, which such lights share, is the mean.
 
     Parameters
     ----------
-    degree
+    max_degree
         Highest degree of the coefficients.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of radiance coefficients.
 
     Examples
     --------
@@ -88,13 +96,13 @@ def uniform_lights(degree: int) -> LightDistribution:
            [0., 0., 1., 0.],
            [0., 0., 0., 1.]])
     """
-    mean = np.zeros(harmonic_count(degree))
+    mean = np.zeros(harmonic_count(max_degree))
     mean[0] = 1 / np.sqrt(4 * np.pi)
     return LightDistribution(mean, np.diag(1 / (4 * np.pi) - np.square(mean)))
 
 
 def cone_lights(
-    degree: int, half_angle: float, axis: Float[np.ndarray, "3"] = FRONT
+    max_degree: int, half_angle: float, axis: Float[np.ndarray, "3"] = FRONT
 ) -> LightDistribution:
     """Return one directional light of irradiance 1, uniform within a cone.
 
@@ -103,41 +111,58 @@ def cone_lights(
 
     Parameters
     ----------
-    degree
+    max_degree
         Highest degree of the coefficients.
     half_angle
         Angle between the axis and the cone's surface, degrees in (0, 180].
     axis
         Unit vector towards the middle of the lights; by default the viewer.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of radiance coefficients.
+
+    Raises
+    ------
+    ArgumentError
+        If `max_degree` is negative, the angle outside (0, 180], or the axis no unit vector.
     """
-    degree = checks.degree("degree", degree)
+    max_degree = checks.degree("max_degree", max_degree)
     axis = checks.unit_vectors("axis", axis)
     if not 0 < half_angle <= 180:
         raise ArgumentError(f"half_angle must lie in (0, 180] degrees, got {half_angle}")
-    nodes, weights = np.polynomial.legendre.leggauss(degree + 1)
+    nodes, weights = np.polynomial.legendre.leggauss(max_degree + 1)
     # Below the tip of the axis by this much: exact for the narrowest cone.
     drop = (1 - nodes) * np.sin(np.radians(half_angle) / 2) ** 2
     radius = np.sqrt(drop * (2 - drop))
-    azimuth = 2 * np.pi * np.arange(2 * degree + 1) / (2 * degree + 1)
+    azimuth = 2 * np.pi * np.arange(2 * max_degree + 1) / (2 * max_degree + 1)
     across = np.linalg.svd(axis[None])[2][1:]
     around = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1) @ across
     directions = radius[:, None, None] * around + (1 - drop)[:, None, None] * axis
-    return directional_lights(degree, directions.reshape(-1, 3), np.repeat(weights, azimuth.size))
+    return directional_lights(
+        max_degree, directions.reshape(-1, 3), np.repeat(weights, azimuth.size)
+    )
 
 
-def front_lights(degree: int) -> LightDistribution:
+def front_lights(max_degree: int) -> LightDistribution:
     """Return one directional light of irradiance 1, uniform over the viewer's half-sphere.
 
     Parameters
     ----------
-    degree
+    max_degree
         Highest degree of the coefficients.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of radiance coefficients.
     """
-    return cone_lights(degree, 90.0)
+    return cone_lights(max_degree, 90.0)
 
 
 def directional_lights(
-    degree: int,
+    max_degree: int,
     directions: Float[np.ndarray, "J 3"],
     weights: Float[np.ndarray, "J"] | None = None,
 ) -> LightDistribution:
@@ -145,12 +170,17 @@ def directional_lights(
 
     Parameters
     ----------
-    degree
+    max_degree
         Highest degree of the coefficients.
     directions
         Unit directions to the light.
     weights
         How often each is drawn, up to a factor; by default equally.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of radiance coefficients.
 
     Raises
     ------
@@ -167,7 +197,7 @@ def directional_lights(
         )
     if not weights.any():
         raise ArgumentError("weights must not be all zero; give some direction a positive weight")
-    return _moments(real_harmonics(directions, degree).T, weights / weights.sum())
+    return _moments(real_harmonics(directions, max_degree).T, weights / weights.sum())
 
 
 def environment_lights(coefficients: Float[np.ndarray, "N K"]) -> LightDistribution:
@@ -177,6 +207,16 @@ def environment_lights(coefficients: Float[np.ndarray, "N K"]) -> LightDistribut
     ----------
     coefficients
         Harmonic coefficients of the radiance of each environment.
+
+    Returns
+    -------
+    LightDistribution
+        Mean and covariance of the coefficients.
+
+    Raises
+    ------
+    ArgumentError
+        If the coefficients are not finite, or K is not a square.
     """
     coefficients = checks.finite("coefficients", coefficients)
     if len(coefficients) == 0:
@@ -191,6 +231,16 @@ def isotropic_lights(power: Float[np.ndarray, "degrees"]) -> LightDistribution:
     ----------
     power
         Variance `C_l` of each coefficient of degree `l`, not negative.
+
+    Returns
+    -------
+    LightDistribution
+        Zero mean, and a diagonal covariance.
+
+    Raises
+    ------
+    ArgumentError
+        If a power is negative or not finite.
     """
     power = checks.non_negative("power", power)
     if len(power) == 0:

@@ -10,6 +10,7 @@ from harmface.errors import ArgumentError
 from harmface.pca.pixels import pixel_weights, visible_pixels
 from harmface.pca.snapshots import Block, over_images, over_pixels
 from harmface.rendering import clamped_cosines
+from harmface.summaries import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,8 @@ class EmpiricalPCA:
     energies: Float[np.ndarray, "F"]
     weights: Float[np.ndarray, "*pixels"]
     subtract_mean: bool
+
+    __repr__ = summary
 
     @property
     def fractions(self) -> Float[np.ndarray, "count"]:
@@ -74,6 +77,11 @@ def empirical_pca(
         How many components.
     subtract_mean
         Whether components are about the mean image, or else about black.
+
+    Returns
+    -------
+    EmpiricalPCA
+        Its `count` leading modes.
 
     Raises
     ------
@@ -125,6 +133,11 @@ def attached_shadow_pca(
         How many components.
     subtract_mean
         Whether components are about the mean image, or else about black.
+
+    Returns
+    -------
+    EmpiricalPCA
+        Its `count` leading modes.
 
     Raises
     ------

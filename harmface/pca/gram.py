@@ -16,7 +16,7 @@ apart would fall on the same places in it."""
 def harmonic_gram(
     normals: Float[np.ndarray, "p 3"],
     weights: Float[np.ndarray, "p"],
-    degree: int,
+    max_degree: int,
     kept: Int[np.ndarray, "k"] | None = None,
 ) -> Float[np.ndarray, "K K"]:
     """Return `Q = Y^T W Y`, the harmonics' inner products over weighted normals.
@@ -30,19 +30,24 @@ def harmonic_gram(
         Unit normals.
     weights
         Weight of each normal, not negative.
-    degree
+    max_degree
         Highest degree of the harmonics.
     kept
         Flat indices of the harmonics that matter, by default all; the others' products are
         left at 0, which saves their time.
+
+    Returns
+    -------
+    numpy.ndarray
+        Symmetric, shape (K, K), float64.
     """
-    count = harmonic_count(degree)
+    count = harmonic_count(max_degree)
     if kept is None:
         kept = np.arange(count)
     products = np.zeros((len(kept), len(kept)))
     roots = np.sqrt(weights).astype(normals.dtype, copy=False)
     for some in chunks(len(normals), CHUNK):
-        weighted = real_harmonics(normals[some], degree)[kept]
+        weighted = real_harmonics(normals[some], max_degree)[kept]
         weighted *= roots[some]
         products += weighted @ weighted.T
     gram = np.zeros((count, count))

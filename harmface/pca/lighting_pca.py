@@ -22,6 +22,7 @@ from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
 from harmface.pca.distributions import LightDistribution, uniform_lights
 from harmface.reflectance import lambert_per_coefficient
+from harmface.summaries import summary
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +42,10 @@ class LightingPCA:
     eigenvalues: Float[np.ndarray, "K"]
     expansion: Float[np.ndarray, "modes K"]
 
+    __repr__ = summary
+
     @property
-    def degree(self) -> int:
+    def max_degree(self) -> int:
         """Highest degree of the harmonics."""
         return max_degree_of(len(self.eigenvalues))
 

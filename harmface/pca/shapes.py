@@ -31,7 +31,7 @@ Measure = Literal["all", "normals", "pixels"]
 """Which normals of a shape count, and how much."""
 
 
-def sphere_gram(degree: int, measure: Measure) -> Float[np.ndarray, "K K"]:
+def sphere_gram(max_degree: int, measure: Measure) -> Float[np.ndarray, "K K"]:
     """Return the Gram matrix of a sphere: over solid angle, for pixels times `n_z`.
 
     Over all normals it is the identity. Over half of them azimuth still keeps orders apart, and
@@ -41,10 +41,15 @@ def sphere_gram(degree: int, measure: Measure) -> Float[np.ndarray, "K K"]:
 
     Parameters
     ----------
-    degree
+    max_degree
         Highest degree of the harmonics.
     measure
         `"all"`, `"normals"` or `"pixels"`, see the module.
+
+    Returns
+    -------
+    numpy.ndarray
+        Symmetric, shape (K, K), float64.
 
     Examples
     --------
@@ -55,15 +60,15 @@ def sphere_gram(degree: int, measure: Measure) -> Float[np.ndarray, "K K"]:
            [0.   , 0.   , 0.   , 0.5  ]])
     """
     _check(measure)
-    count = harmonic_count(degree)
+    count = harmonic_count(max_degree)
     if measure == "all":
         return np.eye(count)
     if measure == "normals":
-        return _half_sphere(degree)
-    return (_times_z(degree) @ _half_sphere(degree + 1))[:, :count]
+        return _half_sphere(max_degree)
+    return (_times_z(max_degree) @ _half_sphere(max_degree + 1))[:, :count]
 
 
-def cone_gram(degree: int, measure: Measure, elevation: float) -> Float[np.ndarray, "K K"]:
+def cone_gram(max_degree: int, measure: Measure, elevation: float) -> Float[np.ndarray, "K K"]:
     """Return the Gram matrix of an upright cone seen from the side.
 
     Its normals `(cos e sin a, sin e, cos e cos a)` lie on a circle, on which a harmonic of
@@ -72,44 +77,59 @@ def cone_gram(degree: int, measure: Measure, elevation: float) -> Float[np.ndarr
 
     Parameters
     ----------
-    degree
+    max_degree
         Highest degree of the harmonics.
     measure
         `"all"`, `"normals"` or `"pixels"`, see the module.
     elevation
         Angle `e` of the normals above the horizontal, degrees in (-90, 90); 0 is a cylinder.
+
+    Returns
+    -------
+    numpy.ndarray
+        Symmetric, shape (K, K), float64.
+
+    Raises
+    ------
+    ArgumentError
+        If `max_degree` is negative, or there is no such measure.
     """
-    degree = checks.degree("degree", degree)
+    max_degree = checks.degree("max_degree", max_degree)
     _check(measure)
     if not -90 < elevation < 90:
         raise ArgumentError(f"elevation must lie in (-90, 90) degrees, got {elevation}")
     # A trigonometric polynomial is known from as many samples as it has coefficients.
-    frequency = np.arange(-degree, degree + 1)
+    frequency = np.arange(-max_degree, max_degree + 1)
     angle = 2 * np.pi * np.arange(frequency.size) / frequency.size
     tilt = np.full_like(angle, np.radians(elevation))
     normals = np.stack(
         [np.cos(tilt) * np.sin(angle), np.sin(tilt), np.cos(tilt) * np.cos(angle)], axis=-1
     )
     waves = np.exp(-1j * np.outer(angle, frequency)) / frequency.size
-    series = real_harmonics(normals, degree) @ waves
+    series = real_harmonics(normals, max_degree) @ waves
     overlap = toeplitz(_arc(np.arange(frequency.size), measure))
     return (series @ overlap @ series.conj().T).real
 
 
-def cylinder_gram(degree: int, measure: Measure) -> Float[np.ndarray, "K K"]:
+def cylinder_gram(max_degree: int, measure: Measure) -> Float[np.ndarray, "K K"]:
     """Return the Gram matrix of an upright cylinder, see `cone_gram`.
 
     Parameters
     ----------
-    degree
+    max_degree
         Highest degree of the harmonics.
     measure
         `"all"`, `"normals"` or `"pixels"`, see the module.
+
+    Returns
+    -------
+    numpy.ndarray
+        Symmetric, shape (K, K), float64.
     """
-    return cone_gram(degree, measure, 0.0)
+    return cone_gram(max_degree, measure, 0.0)
 
 
-def _half_sphere(degree: int) -> Float[np.ndarray, "K K"]:
+def _half_sphere(max_degree: int) -> Float[np.ndarray, "K K"]:
     """Return the overlaps of the harmonics over `z > 0`.
 
     Let `f` and `g` be what harmonics of one order and degrees `p` and `q` have of `z`, with norm
@@ -119,14 +139,14 @@ def _half_sphere(degree: int) -> Float[np.ndarray, "K K"]:
 
     and a function shares its norm evenly between `z > 0` and `z < 0`.
     """
-    degree_of, order = degrees(degree), orders(degree)
+    degree_of, order = degrees(max_degree), orders(max_degree)
     eigenvalue = degree_of * (degree_of + 1)
     # At azimuth 0 the factor of azimuth is 1 / sqrt(2 pi) at order 0, 1 / sqrt(pi) at others.
-    rim = real_harmonics(np.array([1.0, 0.0, 0.0]), degree)
+    rim = real_harmonics(np.array([1.0, 0.0, 0.0]), max_degree)
     value = rim[eigenvalue + np.abs(order)] * np.sqrt(np.where(order == 0, 2 * np.pi, np.pi))
     # f'(0) = sqrt((2 p + 1) / (2 p - 1) (p^2 - m^2)) times the value at degree p - 1.
     slope = np.zeros_like(value)
-    inner, below = _neighbours(degree)
+    inner, below = _neighbours(max_degree)
     p, m = degree_of[inner], order[inner]
     slope[inner] = np.sqrt((2 * p + 1) / (2 * p - 1) * (p**2 - m**2)) * value[below]
     wronskian = np.outer(value, slope) - np.outer(slope, value)
@@ -136,19 +156,19 @@ def _half_sphere(degree: int) -> Float[np.ndarray, "K K"]:
     return np.divide(wronskian, gap, out=gram, where=meets)
 
 
-def _times_z(degree: int) -> Float[np.ndarray, "K K1"]:
+def _times_z(max_degree: int) -> Float[np.ndarray, "K K1"]:
     """Return `a` with `z Y_k = sum_j a_kj Y_j`, which reaches one degree further."""
-    inner, below = _neighbours(degree + 1)
-    p, m = degrees(degree + 1)[inner], orders(degree + 1)[inner]
-    matrix = np.zeros((harmonic_count(degree + 1),) * 2)
+    inner, below = _neighbours(max_degree + 1)
+    p, m = degrees(max_degree + 1)[inner], orders(max_degree + 1)[inner]
+    matrix = np.zeros((harmonic_count(max_degree + 1),) * 2)
     matrix[inner, below] = np.sqrt((p**2 - m**2) / (4 * p**2 - 1))
-    return (matrix + matrix.T)[: harmonic_count(degree)]
+    return (matrix + matrix.T)[: harmonic_count(max_degree)]
 
 
-def _neighbours(degree: int) -> tuple[Int[np.ndarray, "n"], Int[np.ndarray, "n"]]:
+def _neighbours(max_degree: int) -> tuple[Int[np.ndarray, "n"], Int[np.ndarray, "n"]]:
     """Return flat indices of the harmonics whose order also exists one degree below, and those."""
-    inner = np.flatnonzero(np.abs(orders(degree)) < degrees(degree))
-    return inner, inner - 2 * degrees(degree)[inner]
+    inner = np.flatnonzero(np.abs(orders(max_degree)) < degrees(max_degree))
+    return inner, inner - 2 * degrees(max_degree)[inner]
 
 
 def _arc(frequency: Int[np.ndarray, "n"], measure: Measure) -> Float[np.ndarray, "n"]:

@@ -68,6 +68,21 @@ def central_binomial(degree: int) -> float:
 def lambda_normalization(max_degree: int) -> Float[np.ndarray, "L"]:
     """Return Lambda_l = sqrt(4 pi / (2l + 1)), [R05]_ eq. 24, shape `(max_degree + 1,)`.
 
+    Parameters
+    ----------
+    max_degree
+        Highest degree.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (max_degree + 1,), float64.
+
+    Raises
+    ------
+    ArgumentError
+        If `max_degree` is negative or not whole.
+
     Examples
     --------
     >>> lambda_normalization(1).round(6)
@@ -81,6 +96,16 @@ def clamped_cosine_coefficients(max_degree: int) -> Float[np.ndarray, "L"]:
     """Return the coefficients of max(cos, 0) itself, [R05]_ eq. 21 and 28.
 
     They are A_l / Lambda_l, those of the harmonics of order 0, shape `(max_degree + 1,)`.
+
+    Parameters
+    ----------
+    max_degree
+        Highest degree.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (max_degree + 1,), float64.
 
     Examples
     --------

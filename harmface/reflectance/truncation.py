@@ -22,6 +22,16 @@ def energy_by_degree(max_degree: int) -> Float[np.ndarray, "L"]:
 
     The whole energy, the integral of max(cos, 0)^2 over the sphere, is 2 pi / 3.
 
+    Parameters
+    ----------
+    max_degree
+        Highest degree.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shares in [0, 1], shape (max_degree + 1,), float64.
+
     Examples
     --------
     >>> energy_by_degree(4).cumsum().round(4)
@@ -43,6 +53,16 @@ def truncation_error(max_degree: int) -> float:
     ----------
     max_degree
         Greatest degree kept, at least 0.
+
+    Returns
+    -------
+    float
+        In units of the clamped cosine, whose largest value is 1.
+
+    Raises
+    ------
+    ArgumentError
+        If `max_degree` is negative or not whole.
 
     Examples
     --------
@@ -68,6 +88,11 @@ def mean_accuracy_bound(max_degree: int) -> float:
     ----------
     max_degree
         Greatest degree kept, at least 0.
+
+    Returns
+    -------
+    float
+        A share of the energy, in [0, 1].
 
     Examples
     --------

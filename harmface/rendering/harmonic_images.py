@@ -18,7 +18,9 @@ from harmface.sphere import real_harmonics
 
 
 def harmonic_images(
-    normals: Float[np.ndarray, "*pixels 3"], albedo: Float[np.ndarray, "*pixels"], degree: int = 2
+    normals: Float[np.ndarray, "*pixels 3"],
+    albedo: Float[np.ndarray, "*pixels"],
+    max_degree: int = 2,
 ) -> Float[np.ndarray, "K *pixels"]:
     """Return the basis images `S_k = albedo A_l Y_k(n)` of [BJ03]_, [RH01]_ eq. 2 and 7.
 
@@ -31,7 +33,7 @@ def harmonic_images(
         Unit normals; where `albedo` is 0 (the background) they may be zero vectors.
     albedo
         Fraction of the light reflected, at least 0.
-    degree
+    max_degree
         Highest degree; 2 gives the nine images that hold 99.2 % of the energy ([R05]_ 0.3.2).
 
     Returns
@@ -59,14 +61,14 @@ def harmonic_images(
         raise ArgumentError(
             f"albedo must have the shape of the pixels {normals.shape[:-1]}, got {albedo.shape}"
         )
-    degree = checks.degree("degree", degree)
+    max_degree = checks.degree("max_degree", max_degree)
     dark = albedo == 0
     if dark.any():
         # Any direction serves where nothing is reflected; unit length is asked of the rest.
         normals = np.where(dark[..., None], np.array([0, 0, 1], normals.dtype), normals)
     normals = checks.unit_vectors("normals", normals)
-    images = real_harmonics(normals, degree)
-    per_degree = lambert_per_coefficient(degree).astype(images.dtype)
+    images = real_harmonics(normals, max_degree)
+    per_degree = lambert_per_coefficient(max_degree).astype(images.dtype)
     images *= per_degree.reshape(-1, *[1] * albedo.ndim)
     return images * albedo
 
@@ -105,6 +107,27 @@ def relight(
 def outgoing_radiance(
     radiosity: Float[np.ndarray, "..."],
 ) -> Float[np.ndarray, "..."]:
-    """Return the radiance `B / pi` that a diffuse surface of radiosity `B` sends out."""
+    """Return the radiance `B / pi` that a diffuse surface of radiosity `B` sends out.
+
+    Parameters
+    ----------
+    radiosity
+        Albedo times irradiance; any shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Radiance, in the shape and precision of `radiosity`.
+
+    Raises
+    ------
+    ArgumentError
+        If the radiosity is not finite.
+
+    Examples
+    --------
+    >>> outgoing_radiance(np.array([np.pi]))
+    array([1.])
+    """
     radiosity = checks.finite("radiosity", radiosity)
-    return radiosity / np.asarray(np.pi, radiosity.dtype)
+    return np.asarray(radiosity / np.asarray(np.pi, radiosity.dtype))

@@ -76,6 +76,11 @@ def irradiance_matrix(
     coefficients
         Lighting coefficients of degree 2.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, 4, 4)`, in the precision of `coefficients`.
+
     Raises
     ------
     ArgumentError
@@ -136,6 +141,18 @@ def polynomial_irradiance(
     """Return `E(n)` as the quadratic polynomial of [RH01]_ eq. 13, written out.
 
     Parameters and result are those of `harmonic_irradiance`, at degree 2.
+
+    Parameters
+    ----------
+    coefficients
+        Radiance coefficients, shape `(*channels, 9)`.
+    normals
+        Unit normals, shape `(*pixels, 3)`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Irradiance, shape `(*channels, *pixels)`.
 
     Raises
     ------

@@ -56,6 +56,11 @@ def clamped_cosines(
     directions
         Unit directions to the light.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(J, *pixels)`, in [0, 1].
+
     Raises
     ------
     ArgumentError
@@ -86,6 +91,11 @@ def irradiance(
     -------
     numpy.ndarray
         Irradiance, the light's leading axes first.
+
+    Raises
+    ------
+    ArgumentError
+        If shapes do not agree, or the normals are no unit vectors.
     """
     normals = checks.vectors("normals", normals)
     pixels = normals.shape[:-1]
@@ -123,6 +133,16 @@ def render(
         The mesh that casts shadows; without it only attached shadows are rendered.
     phong
         A specular term added to the diffuse one.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, H, W)`, 0 in the background; float64.
+
+    Raises
+    ------
+    ArgumentError
+        If shapes do not agree.
     """
     if albedo is None:
         albedo = luminance(view.albedo)
@@ -164,6 +184,16 @@ def box_average(
         Linear images whose sides are multiples of `factor`.
     factor
         Side of a block.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*images, H / factor, W / factor)`, in the precision of `images`.
+
+    Raises
+    ------
+    ArgumentError
+        If `factor` is below 1 or does not divide both sides.
     """
     factor = checks.positive_integer("factor", factor)
     images = checks.finite("images", images)

@@ -56,6 +56,24 @@ class Claim:
         return bool(within.all())
 
     @property
+    def bound(self) -> str:
+        """What a measurement must be for the claim to hold, in words; how it would fail."""
+        if self.kind == "report" or isinstance(self.expected, str):
+            return "cannot fail: it is shown beside the published figure, without a bound"
+        if self.kind == "equal":
+            least = np.broadcast_to(self.tolerance, len(self.expected))
+            ranges = ", ".join(
+                f"{value - within:.6g} to {value + within:.6g}"
+                for value, within in zip(self.expected, least, strict=True)
+            )
+            return f"fails if a value lies outside {ranges}"
+        words = "below" if self.kind == "at_least" else "above"
+        limits = ", ".join(f"{value:.6g}" for value in self.expected)
+        if self.kind == "goal":
+            return f"is not reached if a value lies {words} {limits}, which fails nothing"
+        return f"fails if a value lies {words} {limits}"
+
+    @property
     def binding(self) -> bool:
         """Whether the run fails if the claim does not hold."""
         return self.kind not in ("report", "goal")

@@ -76,7 +76,7 @@ def mean_face() -> tuple[Mesh, GBuffer]:
 
 @lru_cache(maxsize=1)
 def _by_theory() -> AnalyticPCA:
-    return analytic_pca(mean_face()[1].normals, degree=DEGREE)
+    return analytic_pca(mean_face()[1].normals, max_degree=DEGREE)
 
 
 @lru_cache(maxsize=1)

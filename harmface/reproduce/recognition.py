@@ -142,7 +142,7 @@ def light_grid(subjects: int = 20, size: int = 48, seed: int = 2005) -> Measurem
     order = "is the published one" if sorted(fourth, reverse=True) == fourth else "is another"
     # Subsets 1 and 2 are one in the published table.
     weights = np.bincount(subset)[1:3] / np.isin(subset, (1, 2)).sum()
-    beside = {
+    comparison = {
         name: [
             each
             for ours, theirs in zip(
@@ -167,7 +167,7 @@ def light_grid(subjects: int = 20, size: int = 48, seed: int = 2005) -> Measurem
             ),
             "LHK05 table 2 (Yale B, ten people), and the same methods here, in per cent.": (
                 _rates_figure(
-                    beside,
+                    comparison,
                     [f"{k}\n{whose}" for k in ("1-2", "3", "4") for whose in ("LHK05", "here")],
                 )
             ),

@@ -87,5 +87,6 @@ def _detail(result: Result) -> str:
     )
     return (
         f"<section id='{result.claim.id}'><h2>{result.claim.id}</h2>"
-        f"<p>{escape(result.claim.what)}.</p><p>{escape(result.note)}</p>{figures}</section>"
+        f"<p>{escape(result.claim.what)}.</p><p class='sub'>It {escape(result.claim.bound)}.</p>"
+        f"<p>{escape(result.note)}</p>{figures}</section>"
     )

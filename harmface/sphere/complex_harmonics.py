@@ -85,6 +85,11 @@ def real_to_complex(coefficients: Float[np.ndarray, "... K"]) -> Complex[np.ndar
     coefficients
         Finite coefficients of real functions, shape `(..., K)`.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (..., K), complex.
+
     Raises
     ------
     ArgumentError
@@ -110,6 +115,11 @@ def complex_to_real(coefficients: Complex[np.ndarray, "... K"]) -> Float[np.ndar
     ----------
     coefficients
         Finite coefficients of real functions, shape `(..., K)`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (..., K), float.
 
     Raises
     ------

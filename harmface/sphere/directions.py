@@ -19,6 +19,16 @@ def fibonacci_directions(count: int) -> Float[np.ndarray, "J 3"]:
     count
         Number of directions, at least 1.
 
+    Returns
+    -------
+    numpy.ndarray
+        Unit vectors, shape (count, 3), float64.
+
+    Raises
+    ------
+    ArgumentError
+        If `count` is below 1.
+
     Examples
     --------
     >>> fibonacci_directions(3)[:, 2]
@@ -38,6 +48,16 @@ def random_directions(count: int, rng: np.random.Generator | int) -> Float[np.nd
         Number of directions, at least 1.
     rng
         Random generator or seed.
+
+    Returns
+    -------
+    numpy.ndarray
+        Unit vectors, shape (count, 3), float64.
+
+    Raises
+    ------
+    ArgumentError
+        If `count` is below 1.
     """
     count = checks.positive_integer("count", count)
     uniform = checks.generator(rng).random((2, count))

@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.summaries import summary
 
 # The orders of [LL99]_, without 13, 25 and 27, some of whose weights are negative.
 LEBEDEV_ORDERS = (
@@ -26,12 +27,12 @@ LEBEDEV_ORDERS = (
 class Quadrature:
     """Directions and weights: the integral of `f` over the sphere is `f(directions) @ weights`.
 
-    Attributes
+    Parameters
     ----------
     directions
-        Unit vectors, shape `(J, 3)`.
+        Unit vectors, shape (J, 3).
     weights
-        Solid angles in steradians, shape `(J,)`; they sum to 4 pi.
+        Solid angles in steradians, shape (J,); they sum to 4 pi.
     degree
         Every harmonic up to this degree is integrated exactly.
     """
@@ -39,6 +40,8 @@ class Quadrature:
     directions: Float[np.ndarray, "J 3"]
     weights: Float[np.ndarray, "J"]
     degree: int
+
+    __repr__ = summary
 
     def __post_init__(self) -> None:
         checks.degree("degree", self.degree)
@@ -60,6 +63,16 @@ def gauss_legendre(degree: int) -> Quadrature:
     ----------
     degree
         Degree up to which harmonics are integrated exactly, at least 0.
+
+    Returns
+    -------
+    Quadrature
+        Of `degree // 2 + 1` rows of `degree + 1` directions.
+
+    Raises
+    ------
+    ArgumentError
+        If `degree` is negative or not whole.
 
     Examples
     --------
@@ -98,6 +111,11 @@ def lebedev(degree: int) -> Quadrature:
     degree
         Degree up to which harmonics are integrated exactly, 0 to 131. The rule that is returned
         may reach further: see its `degree`.
+
+    Returns
+    -------
+    Quadrature
+        Exact up to its own degree, which may be higher.
 
     Raises
     ------

@@ -69,6 +69,20 @@ def project_function(
 ) -> Float[np.ndarray, "... K"]:
     """Return the coefficients of a function of directions, [RH01]_ eq. 10; see `project`.
 
+    Parameters
+    ----------
+    function
+        Takes directions, (J, 3), and returns values, (..., J).
+    quadrature
+        Where to sample the function.
+    max_degree
+        Highest degree.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (..., K).
+
     Examples
     --------
     >>> from harmface.sphere import gauss_legendre
@@ -119,6 +133,11 @@ def energy_per_degree(coefficients: Float[np.ndarray, "... K"]) -> Float[np.ndar
     -------
     ndarray
         Sums of squared coefficients, shape `(..., max_degree + 1)`.
+
+    Raises
+    ------
+    ArgumentError
+        If a coefficient is not finite, or K is not a square.
 
     Examples
     --------

@@ -8,6 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from harmface.viz.figures import NotebookFigure
+
 RANKS = 20
 """Ranks of the cumulative match that are shown."""
 
@@ -21,8 +23,13 @@ def evaluation_figure(methods: Mapping[str, Mapping[str, Any]]) -> Figure:
         What `harmface evaluate` found of each: `subsets` of `errors`, `probes` and `interval`;
         `cumulative_match`; `roc` of `false_accepts`, `true_accepts` and `true_accepts_relative`;
         `reliability` of `claimed`, `right` and `count`, or None without probabilities.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Four panels side by side.
     """
-    figure = Figure(figsize=(18, 3.9), layout="constrained")
+    figure = NotebookFigure(figsize=(18, 3.9), layout="constrained")
     by_subset, by_rank, verification, trust = figure.subplots(1, 4)
     colors = {name: f"C{number % 10}" for number, name in enumerate(methods)}
     _bars(by_subset, methods, colors)

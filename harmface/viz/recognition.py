@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from harmface.conventions import linear_to_srgb, max_degree_of
 from harmface.rendering import harmonic_images, relight
+from harmface.viz.figures import NotebookFigure, colour_bar
 
 WHITE = 99.5
 """Percentile of the probe that is shown white, in its reconstructions too."""
@@ -61,12 +62,17 @@ def explanation_figure(
         One or more.
     mask
         Pixels that were compared; the rest of a reconstruction is left grey.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A row for each probe.
     """
     lit = any(each.light is not None for each in explanations)
     first = 1 + lit
     columns = first + 2 * max(len(each.subjects) for each in explanations)
     height = 1.7 * mask.shape[0] / mask.shape[1] + 0.3
-    figure = Figure(figsize=(1.75 * columns, height * len(explanations)))
+    figure = NotebookFigure(figsize=(1.7 * columns, height * len(explanations)))
     for row, each in enumerate(explanations):
         axes = [
             figure.add_subplot(len(explanations), columns, 1 + row * columns + column)
@@ -75,14 +81,19 @@ def explanation_figure(
         white = np.percentile(each.probe[mask], WHITE) or 1.0
         _show(axes[0], each.name, each.probe / white)
         if each.light is not None:
-            _show(axes[1], "light", *lit_sphere(each.light))
+            sphere, inside = lit_sphere(each.light)
+            negative = float((sphere[inside] < 0).mean())
+            title = f"light ({negative:.0%} < 0, black)" if negative >= 0.005 else "light"
+            _show(axes[1], title, sphere, inside)
         for number, (title, picture) in enumerate(each.subjects):
             _show(axes[first + 2 * number], title, picture / white, mask)
-            left = np.ma.array((each.probe - picture) / white, mask=~mask)
-            aside = axes[first + 2 * number + 1]
-            aside.set_facecolor(BACKGROUND)
-            aside.imshow(left, cmap="RdBu_r", vmin=-DIFFERENCE, vmax=DIFFERENCE)
-            aside.set_title(f"difference ±{DIFFERENCE:g}", fontsize=7)
+            difference = np.ma.array((each.probe - picture) / white, mask=~mask)
+            panel = axes[first + 2 * number + 1]
+            panel.set_facecolor(BACKGROUND)
+            shown = panel.imshow(difference, cmap="RdBu_r", vmin=-DIFFERENCE, vmax=DIFFERENCE)
+            panel.set_title("probe less it", fontsize=7)
+            if number == len(each.subjects) - 1:
+                colour_bar(panel, shown, "share of white")
         for each_axes in axes:
             each_axes.set(xticks=[], yticks=[])
             each_axes.set_frame_on(each_axes.has_data())
@@ -99,6 +110,12 @@ def lit_sphere(
     ----------
     light
         Harmonic coefficients.
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Irradiance relative to its maximum, (96, 96) float64, which a fit may make negative, and
+        the pixels of the sphere.
     """
     across = (np.arange(SPHERE) + 0.5) / SPHERE * 2 - 1
     x, y = np.meshgrid(across, -across)
@@ -106,9 +123,9 @@ def lit_sphere(
     inside = squared < 1
     normals = np.stack([x, y, np.sqrt(np.maximum(1 - squared, 0))], axis=-1)[inside]
     basis = harmonic_images(normals, np.ones(len(normals)), max_degree_of(len(light)))
-    received = np.maximum(relight(light.astype(np.float64), basis), 0)
+    received = relight(light.astype(np.float64), basis)
     image = np.zeros(inside.shape)
-    image[inside] = received / (received.max() or 1)
+    image[inside] = received / (max(received.max(), 0.0) or 1.0)
     return image, inside
 
 

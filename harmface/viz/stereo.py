@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from harmface.conventions import light_direction
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
 from harmface.rendering import clamped_cosines
+from harmface.viz.figures import NotebookFigure, colour_bar
 
 SAMPLES = 5
 MESH_PIXELS = 320
@@ -41,6 +42,11 @@ def stereo_figure(
         Pixels of the object.
     mesh
         The surface, shown in grey from two sides.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Two rows of panels; photographs, albedo and relit views relative to their 99th percentile.
     """
     rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
     window = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
@@ -62,16 +68,17 @@ def stereo_figure(
         "mesh, from the left": mesh_picture(mesh, *TURNS[0]),
         "mesh, from the right": mesh_picture(mesh, *TURNS[1]),
     }
-    figure = Figure(figsize=(13, 4.4 * min(1.3, seen.shape[0] / seen.shape[1]) + 0.3))
+    figure = NotebookFigure(figsize=(13, 4.4 * min(1.3, seen.shape[0] / seen.shape[1]) + 0.3))
     for place, (name, picture) in enumerate(panels.items()):
         axes = figure.add_subplot(2, SAMPLES + 1, 1 + place)
         if name == "depth":
-            axes.imshow(picture, cmap="viridis")
+            shown = axes.imshow(picture, cmap="viridis")
+            colour_bar(axes, shown, "towards the viewer / pixels")
         else:
             axes.imshow(np.clip(picture, 0, 1), cmap="gray", vmin=0, vmax=1)
         axes.set_title(name, fontsize=8)
         axes.axis("off")
-    figure.subplots_adjust(wspace=0.04, hspace=0.12, left=0.01, right=0.99, bottom=0.01, top=0.94)
+    figure.subplots_adjust(wspace=0.06, hspace=0.12, left=0.01, right=0.99, bottom=0.01, top=0.94)
     return figure
 
 
@@ -84,6 +91,11 @@ def mesh_picture(mesh: Mesh, azimuth: float, elevation: float) -> Float[np.ndarr
         What to show; albedo plays no part.
     azimuth, elevation
         Where the camera stands, degrees to the right of the +z axis and above it.
+
+    Returns
+    -------
+    numpy.ndarray
+        Grey in [0, 1], 1 in the background.
     """
     a, b, c = (mesh.vertices[corner] for corner in mesh.faces.T)
     across = np.cross(b - a, c - a)

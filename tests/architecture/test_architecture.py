@@ -1,4 +1,6 @@
 import ast
+import importlib
+import importlib.metadata
 import re
 import subprocess
 import sys
@@ -40,6 +42,8 @@ def test_help_needs_no_heavy_library():
 
 
 def test_every_subpackage_is_an_attribute():
+    folders = [path.parent.name for path in (ROOT / "harmface").glob("*/__init__.py")]
+    assert {*folders, "conventions"} - {"cli"} == set(harmface.__all__) & {*folders, "conventions"}
     for name in harmface.__all__:
         assert getattr(harmface, name) is not None
     assert "sphere" in dir(harmface)
@@ -77,6 +81,63 @@ def test_the_readme_does_what_it_shows(tmp_path):
     names["photographs"] = probe_images(meshes[1], mixed(2, rng), 64, rng)
     exec(second, names)
     assert list(names["classifier"].predict(names["rows"])) == ["bob", "bob"]
+
+
+def public_names() -> list[str]:
+    """Return every name that a subpackage exports, one a line; a module exports its own."""
+    found = []
+    for name in sorted({*harmface.__all__, "errors"} - {"HarmfaceError", "__version__"}):
+        module = importlib.import_module(f"harmface.{name}")
+        exported = getattr(module, "__all__", None) or [
+            each
+            for each, value in vars(module).items()
+            if not each.startswith("_") and getattr(value, "__module__", "") == module.__name__
+        ]
+        found += [f"{name}.{each}" for each in sorted(exported)]
+    return found
+
+
+def test_public_names_change_only_on_purpose():
+    """If one is meant to come or go, change `public_names.txt`, and say so in CHANGELOG.md."""
+    kept = (Path(__file__).parent / "public_names.txt").read_text().splitlines()
+    found = public_names()
+    assert sorted(set(kept) - set(found)) == [], "names that are gone"
+    assert sorted(set(found) - set(kept)) == [], "names that are new"
+
+
+def test_every_public_name_is_in_the_reference():
+    pages = {path.stem for path in (ROOT / "docs" / "api").glob("*.rst")}
+    assert {name.split(".")[0] for name in public_names()} - {"reproduce"} == pages
+
+
+def test_the_version_comes_from_one_place():
+    assert f"version: {harmface.__version__}" in (ROOT / "CITATION.cff").read_text().splitlines()
+    assert f"## [{harmface.__version__}]" in (ROOT / "CHANGELOG.md").read_text()
+    assert importlib.metadata.version("harmface") == harmface.__version__
+    assert "version =" not in (ROOT / "pyproject.toml").read_text().split("[project.optional")[0]
+
+
+def test_docstrings_are_held(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    docstrings = importlib.import_module("docstrings")
+
+    def half_documented(a, b):
+        """Return something.
+
+        Parameters
+        ----------
+        a
+            The first.
+        """
+        if b is None:
+            raise ValueError
+        return a
+
+    half_documented.__module__, half_documented.__qualname__ = "docstrings", "half_documented"
+    monkeypatch.setattr(docstrings, "half_documented", half_documented, raising=False)
+    found = docstrings.problems("docstrings.half_documented", half_documented)
+    assert [problem.split()[0] for problem in found] == ["PR01", "RT01", "HF01"]
+    assert docstrings.problems("harmface.sphere.rotate", harmface.sphere.rotate) == []
 
 
 def test_the_readme_and_ci_run_the_same_test_command():

@@ -138,6 +138,7 @@ def test_meshes_serve_the_methods_of_photographs(run, faces, tmp_path):
     assert not gallery.mask.all()
     run("render", "faces/face_002.ply", "--light", "60,30", "--size", 48, "--out", "p.png")
     image = read_image(tmp_path / "p.png")
+    write_image(tmp_path / "p.png", image)
     image[~gallery.mask] = 0.7
     write_image(tmp_path / "indoors.png", image)
     for method in ("local", "tan-triggs+nearest"):

@@ -111,7 +111,7 @@ CALLS = {
     ),
     "facing_camera": (geometry.facing_camera, {"normals": NORMALS, "mask": BALL}),
     "analytic_pca": (
-        lambda normals, albedo: pca.analytic_pca(normals, albedo, degree=3).eigenvalues,
+        lambda normals, albedo: pca.analytic_pca(normals, albedo, max_degree=3).eigenvalues,
         {"normals": FRONT, "albedo": RNG.random((6, 10)) + 0.1},
     ),
     "empirical_pca": (

@@ -189,16 +189,16 @@ def _move(part: Part, place: Float[np.ndarray, "4 4"]) -> None:
 
 
 def _tell(tree: dict[str, Any], textures: Textures) -> None:
-    """Say what of the file is left out."""
-    left = []
+    """Say what of the file is ignored."""
+    ignored = []
     if any("skin" in node for node in items(tree, "nodes")):
-        left.append("skins (it is shown in the pose it is stored in)")
+        ignored.append("skins (it is shown in the pose it is stored in)")
     primitives = [p for mesh in items(tree, "meshes") for p in items(mesh, "primitives")]
     if any("targets" in primitive for primitive in primitives):
-        left.append("morph targets")
+        ignored.append("morph targets")
     if any(
         material.get("alphaMode", "OPAQUE") != "OPAQUE" for material in items(tree, "materials")
     ):
-        left.append("transparency")
-    if left:
-        textures.note(f"{', '.join(left)} left out")
+        ignored.append("transparency")
+    if ignored:
+        textures.note(f"{', '.join(ignored)} left out")

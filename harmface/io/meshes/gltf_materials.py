@@ -99,7 +99,7 @@ class Materials:
             return self._textures.embedded(self._buffers.resource(uri), f"image {source}", wrap)
         if "://" in uri:
             raise FileError(f"names {uri[:100]}; save it beside the file")
-        return self._textures.beside(uri, wrap, deep_srgb=True)
+        return self._textures.named_in_mesh(uri, wrap, deep_srgb=True)
 
 
 def _transform(material: Material, transform: dict[str, Any]) -> None:

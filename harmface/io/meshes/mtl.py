@@ -45,7 +45,7 @@ class Material:
         if self.picture is None:
             return None
         wrap = "clamp" if self.clamp else "repeat"
-        return textures.beside(self.picture, (wrap, wrap))
+        return textures.named_in_mesh(self.picture, (wrap, wrap))
 
 
 def read_materials(library: str, textures: Textures) -> dict[bytes, Material]:

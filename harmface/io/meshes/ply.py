@@ -111,7 +111,7 @@ def read_ply(data: bytes, textures: Textures) -> Part:
                 f"has {len(pictures)} textures; PLY files with one are read: export it as OBJ "
                 "or GLB"
             )
-        part.image = textures.beside(pictures[0])
+        part.image = textures.named_in_mesh(pictures[0])
     return part
 
 

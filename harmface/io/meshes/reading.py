@@ -67,6 +67,11 @@ def read_mesh(
     max_texels
         Most pixels of all textures together.
 
+    Returns
+    -------
+    Mesh
+        With unit normals and linear albedo.
+
     Raises
     ------
     FileError

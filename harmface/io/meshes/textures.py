@@ -43,7 +43,7 @@ class Textures:
         self._linear = linear
         self._decoded: dict[Path | str, Num[np.ndarray, "H W 3"]] = {}
         self._told: set[Path | str] = set()
-        self._left = max_pixels
+        self._remaining = max_pixels
 
     def note(self, text: str) -> None:
         """Remember what was assumed or left out."""
@@ -61,7 +61,7 @@ class Textures:
         text = f"textures are left out where faces have no coordinates for them: {names}"
         return [*self.notes, f"{self.mesh.name}: {text}"]
 
-    def beside(
+    def named_in_mesh(
         self, name: str, wrap: tuple[str, str] = _REPEAT, *, deep_srgb: bool = False
     ) -> TextureImage:
         """Return the texture in a file that the mesh file names.
@@ -139,16 +139,16 @@ class Textures:
         """Return RGB codes of 8 or 16 bits, or floating point, without opacity."""
         try:
             if path.suffix.lower() == ".exr":
-                codes = _coloured(read_exr(path, max_pixels=self._left))
+                codes = _coloured(read_exr(path, max_pixels=self._remaining))
             else:
-                picture = read_picture(path, self._left, opaque=False)
+                picture = read_picture(path, self._remaining)
                 self.notes += picture.notes
                 deep = picture.codes.dtype.itemsize > 2 and picture.codes.dtype.kind != "f"
                 codes = _coloured(picture.values(srgb=False) if deep else picture.codes)
         except FileError as error:
             said = str(error).replace("max_pixels", "max_texels")
             raise FileError(said.replace("--max-pixels", "--max-texels")) from None
-        self._left -= codes.shape[0] * codes.shape[1]
+        self._remaining -= codes.shape[0] * codes.shape[1]
         return codes
 
 

@@ -61,6 +61,13 @@ def write_obj(
         Linear albedo in [0, 1], stored in 8 bits as sRGB, as readers of OBJ take it.
     uv
         Texture coordinates of each vertex, v upwards.
+
+    Raises
+    ------
+    ArgumentError
+        If there are no texture coordinates for some vertex.
+    FileError
+        If a file cannot be written.
     """
     path = Path(path)
     if len(uv) != len(mesh.vertices):

@@ -16,6 +16,16 @@ LAYOUTS: dict[str, Layout] = {
 def layout_named(layout: str | Layout) -> Layout:
     """Return a layout from its name; a layout is returned as it is.
 
+    Parameters
+    ----------
+    layout
+        "latlong", "angular", "mirror-ball" or "cube", or a layout.
+
+    Returns
+    -------
+    Layout
+        The layout.
+
     Raises
     ------
     ArgumentError

@@ -84,6 +84,11 @@ def project_map(
     rule
         "samples" or, for lat-long maps only, "areas".
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, K)`, in the precision of the map.
+
     Raises
     ------
     ArgumentError

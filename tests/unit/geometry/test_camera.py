@@ -65,3 +65,27 @@ def test_the_height_of_a_head_fills_the_documented_share():
 def test_nonsense_is_refused(make):
     with pytest.raises(ArgumentError):
         make()
+
+
+def test_orthographic_rays_start_on_the_plane_of_the_centre():
+    camera = OrthographicCamera((1.0, 2.0, 5.0), 8.0, (4, 6))
+    origins, directions = camera.rays()
+    assert np.array_equal(origins[0], [1 - 2 * 2.5, 2 + 2 * 1.5, 5])
+    assert np.array_equal(origins[-1], [1 + 2 * 2.5, 2 - 2 * 1.5, 5])
+    assert np.array_equal(directions, np.tile([0.0, 0, -1], (24, 1)))
+    points = np.array([[0.0, 0, 0], [3, 1, -7]])
+    assert np.array_equal(camera.pixel_sizes(points), [2, 2])
+    assert np.array_equal(camera.towards(points), [[0, 0, 1]] * 2)
+
+
+def test_perspective_pixels_grow_with_the_distance_along_the_axis():
+    camera = PerspectiveCamera((0.0, 0.0, 10.0), 90.0, (20, 30))
+    points = np.array([[0.0, 0, 0], [4, 3, 0], [0, 0, -10]])
+    # At 90 degrees the picture is twice as high as it is far.
+    assert camera.pixel_sizes(points) == pytest.approx([1, 1, 2])
+    assert camera.towards(points)[1] == pytest.approx(np.array([-4, -3, 10]) / np.sqrt(125))
+    _, directions = camera.rays()
+    assert np.linalg.norm(directions, axis=1) == pytest.approx(1)
+    # Pixels are square: the middle of the leftmost column is 14.5 pixels of 1/10 off the axis.
+    left = directions.reshape(20, 30, 3)[9:11, 0].mean(axis=0)
+    assert left[0] / left[2] == pytest.approx(1.45, rel=1e-3)

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from PIL import Image
 
 from harmface.conventions import map_frame, srgb_to_linear
 from harmface.errors import ArgumentError, FileError, FileWarning
@@ -181,13 +182,17 @@ def test_maps_are_read_with_their_layout_and_frame(hdr):
 
 def test_srgb_is_undone_on_request(tmp_path):
     path = tmp_path / "map.png"
-    write_image(path, np.full((2, 4, 3), 0.5), bits=8)
+    Image.fromarray(np.full((2, 4, 3), 128, np.uint8)).save(path)
     with pytest.warns(FileWarning, match="8 bits, which are taken as linear"):
         encoded = read_environment_map(path).radiance
     np.testing.assert_array_equal(read_environment_map(path, srgb=False).radiance, encoded)
     linear = read_environment_map(path, srgb=True).radiance
     np.testing.assert_allclose(encoded, 0.5, atol=0.5 / 255)
     np.testing.assert_array_equal(linear, srgb_to_linear(encoded))
+    # What a file says of itself is believed, and nothing needs to be asked.
+    for srgb in (False, True):
+        write_image(path, np.full((2, 4, 3), 0.5), bits=8, srgb=srgb)
+        np.testing.assert_allclose(read_environment_map(path).radiance, 0.5, atol=0.005)
 
 
 def test_srgb_of_linear_files_is_refused(hdr):

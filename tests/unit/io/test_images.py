@@ -4,6 +4,7 @@ import tracemalloc
 import warnings
 import zlib
 from concurrent.futures import ThreadPoolExecutor
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from PIL import Image
 from harmface.conventions import srgb_to_linear
 from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io import read_image, write_image
+from harmface.io.png import png_encoding
 
 
 @pytest.mark.parametrize("bits", [8, 16])
@@ -72,8 +74,7 @@ def test_targa_of_32_bits_has_alpha_only_if_it_says_so(tmp_path, rng):
     (tmp_path / "a.tga").write_bytes(targa(codes))
     assert np.array_equal(read_image(tmp_path / "a.tga"), codes[..., :3] / 255)
     (tmp_path / "a.tga").write_bytes(targa(codes, alpha_bits=8))
-    with pytest.raises(FileError, match="partly transparent"):
-        read_image(tmp_path / "a.tga")
+    assert not read_image(tmp_path / "a.tga").any()
     Image.fromarray(codes[..., :2].copy(), "LA").save(tmp_path / "b.tga")
     with pytest.raises(FileError, match="has the channels"):
         read_image(tmp_path / "b.tga")
@@ -379,14 +380,82 @@ def test_other_channels_are_refused_before_they_are_decoded(tmp_path):
     tracemalloc.stop()
 
 
-def test_an_opaque_alpha_channel_is_dropped_and_another_refused(tmp_path):
+def test_what_is_transparent_is_laid_on_black_in_linear_light(tmp_path):
     codes = np.full((2, 2, 4), 255, np.uint8)
+    codes[..., 1] = 128
     Image.fromarray(codes).save(tmp_path / "a.png")
-    assert read_image(tmp_path / "a.png").shape == (2, 2, 3)
-    codes[0, 0, 3] = 0
+    whole = read_image(tmp_path / "a.png", srgb=True)
+    assert whole.shape == (2, 2, 3)
+    codes[0, :, 3] = 0, 51
     Image.fromarray(codes).save(tmp_path / "a.png")
-    with pytest.raises(FileError, match="partly transparent"):
-        read_image(tmp_path / "a.png")
+    found = read_image(tmp_path / "a.png", srgb=True)
+    assert np.array_equal(found[0, 0], np.zeros(3))
+    np.testing.assert_allclose(found[0, 1], whole[0, 1] / 5, rtol=1e-12)
+    assert np.array_equal(found[1], whole[1])
+
+
+def test_opacity_goes_with_a_picture(tmp_path, rng, unchecked):
+    opacity = np.array([[0, 0.2, 0.6, 1.0]])
+    image = rng.uniform(0.1, 0.9, (1, 4, 3)) * opacity[..., None]
+    for bits, srgb, tolerance in ((8, True, 0.008), (16, False, 3e-5)):
+        write_image(tmp_path / "a.png", image, bits=bits, srgb=srgb, opacity=opacity)
+        np.testing.assert_allclose(read_image(tmp_path / "a.png"), image, atol=tolerance)
+    with Image.open(tmp_path / "a.png") as picture:
+        assert picture.mode == "RGBA"
+    write_image(tmp_path / "a.png", image[..., 0], opacity=opacity)
+    np.testing.assert_allclose(read_image(tmp_path / "a.png")[..., 1], image[..., 0], atol=3e-5)
+    for bad in (np.ones((4, 1)), opacity * 2, -opacity, opacity * np.nan):
+        with pytest.raises(ArgumentError, match="opacity"):
+            write_image(tmp_path / "a.png", image, opacity=bad)
+
+
+@pytest.mark.parametrize(
+    ("chunks", "says"),
+    [
+        ((), None),
+        (((b"sRGB", b"\0"),), True),
+        (((b"gAMA", (45455).to_bytes(4, "big")),), True),
+        (((b"gAMA", (100000).to_bytes(4, "big")),), False),
+        (((b"gAMA", (55556).to_bytes(4, "big")),), None),
+        (((b"gAMA", (100000).to_bytes(4, "big")), (b"sRGB", b"\0")), True),
+        (((b"iCCP", b"sRGB IEC61966-2.1\0\0x"),), True),
+        (((b"iCCP", b"ProPhoto\0\0x"), (b"gAMA", (45455).to_bytes(4, "big"))), None),
+    ],
+)
+def test_what_a_png_file_says_of_its_encoding_is_believed(tmp_path, chunks, says):
+    buffer = BytesIO()
+    Image.fromarray(np.full((2, 2), 128, np.uint8)).save(buffer, format="PNG")
+    data = buffer.getvalue()
+    for name, body in reversed(chunks):
+        chunk = len(body).to_bytes(4, "big") + name + body
+        chunk += zlib.crc32(name + body).to_bytes(4, "big")
+        data = data[:33] + chunk + data[33:]
+    assert png_encoding(data) is says
+    linear, encoded = 128 / 255, srgb_to_linear(np.array(128 / 255))
+    (tmp_path / "a.png").write_bytes(data)
+    for srgb in (False, True):
+        expected = encoded if (srgb if says is None else says) else linear
+        try:
+            found = read_image(tmp_path / "a.png", srgb=srgb)
+        except FileError:  # the profile is no profile
+            assert chunks[0][0] == b"iCCP"
+            continue
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "bits"), [("a.png", 8), ("a.png", 16), ("a.jpg", 8)])
+def test_what_is_written_is_read_without_being_told_how(tmp_path, name, bits):
+    y, x = np.mgrid[0:1:32j, 0:1:32j]
+    image = np.stack([y, x, 0.5 * (x + y)], axis=-1)
+    write_image(tmp_path / name, image, bits=bits, srgb=True)
+    np.testing.assert_allclose(
+        read_image(tmp_path / name), image, atol=0.04 if name == "a.jpg" else 0.006
+    )
+    with Image.open(tmp_path / name) as picture:
+        says = picture.info if name == "a.png" else picture.getexif().get_ifd(0x8769)
+    assert says.get("srgb", says.get(0xA001)) is not None
+    Image.fromarray((255 * y).astype(np.uint8)).save(tmp_path / name)
+    assert not np.allclose(read_image(tmp_path / name, srgb=True), y, atol=0.05)
 
 
 def test_srgb_is_undone_only_on_request(tmp_path):
@@ -434,7 +503,9 @@ def test_broken_bytes_raise_file_errors_only(tmp_path, rng, suffix, capfd):
 @pytest.mark.parametrize(
     ("name", "image", "bits", "error"),
     [
-        ("a.jpg", np.ones((2, 2)), 8, FileError),
+        ("a.gif", np.ones((2, 2)), 8, FileError),
+        ("a.jpg", np.ones((2, 2)), 8, ArgumentError),
+        ("a.jpg", np.ones((2, 2)), 16, ArgumentError),
         ("a.png", np.full((2, 2), np.nan), 8, ArgumentError),
         ("a.png", np.ones((2, 2, 2)), 8, ArgumentError),
         ("a.png", np.ones((2, 2)), 12, ArgumentError),

@@ -16,6 +16,8 @@ from harmface.sphere import real_harmonics
 EPS = np.finfo(float).eps
 AXIS = np.array([0.6, 0.0, 0.8])
 DEGREE = 6
+SUMMED = (DEGREE + 1) * (2 * DEGREE + 1) * EPS
+"""Rounding of a sum over the directions of `integrated_cap`."""
 
 
 def integrated_cap(half_angle, axis):
@@ -37,7 +39,7 @@ def integrated_cap(half_angle, axis):
 def test_cones_integrate_harmonics_over_a_cap(half_angle):
     found = cone(AXIS, half_angle, np.array([1.0, 2.0]), DEGREE)
     expected = integrated_cap(half_angle, AXIS)
-    np.testing.assert_allclose(found, [expected, 2 * expected], atol=32 * EPS)
+    np.testing.assert_allclose(found, [expected, 2 * expected], rtol=32 * EPS, atol=SUMMED)
 
 
 def test_hemisphere_and_ambient_are_wide_cones():
@@ -99,3 +101,32 @@ def test_lights_of_other_degrees_and_channels_add_up():
 def test_lights_that_make_no_sense_are_refused(unchecked, light, said):
     with pytest.raises(ArgumentError, match=said):
         light()
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.2, np.pi / 2, 2.0])
+def test_the_lowest_degrees_of_a_cone_are_its_closed_forms(angle):
+    """Solid angle 2 pi (1 - cos a), and the mean height times it: pi sin(a)**2."""
+    first = np.sqrt(1 / (4 * np.pi)) * 2 * np.pi * (1 - np.cos(angle))
+    second = np.sqrt(3 / (4 * np.pi)) * np.pi * np.sin(angle) ** 2
+    up = np.array([0.0, 0.0, 1.0])
+    np.testing.assert_allclose(cone(up, angle, 1.0, 0), [first], rtol=8 * EPS)
+    np.testing.assert_allclose(
+        cone(up, angle, 1.0, 1), [first, 0, second, 0], rtol=8 * EPS, atol=8 * EPS
+    )
+    if angle <= np.pi / 2:
+        # A disc gives its irradiance to a surface that faces it: E = pi radiance sin(a)**2.
+        radiance = 3.0 / (np.pi * np.sin(angle) ** 2)
+        np.testing.assert_allclose(disc(up, angle, 3.0, 0), [radiance * first], rtol=8 * EPS)
+        np.testing.assert_allclose(
+            disc(up, angle, 3.0, 1), radiance * cone(up, angle, 1.0, 1), rtol=8 * EPS, atol=8 * EPS
+        )
+
+
+def test_a_disc_of_90_degrees_is_a_hemisphere():
+    np.testing.assert_allclose(
+        disc(AXIS, np.pi / 2, np.pi, DEGREE), hemisphere(AXIS, 1.0, DEGREE), atol=32 * EPS
+    )
+    with pytest.raises(ArgumentError, match="angular_radius"):
+        disc(AXIS, np.nextafter(np.pi / 2, 2), 1.0, 2)
+    with pytest.raises(ArgumentError, match="half_angle"):
+        cone(AXIS, np.nextafter(np.pi, 4), 1.0, 2)

@@ -31,8 +31,8 @@ def albedo(rng):
 
 
 def test_background_leaves_no_trace(normals, albedo):
-    image = analytic_pca(normals, albedo, degree=DEGREE)
-    rows = analytic_pca(normals[1:], albedo[1:], degree=DEGREE)
+    image = analytic_pca(normals, albedo, max_degree=DEGREE)
+    rows = analytic_pca(normals[1:], albedo[1:], max_degree=DEGREE)
     assert np.array_equal(image.eigenvalues, rows.eigenvalues)
     assert image.modes(5).shape == (5, 12, 9)
     assert not image.modes(5)[:, 0].any()
@@ -43,20 +43,20 @@ def test_background_leaves_no_trace(normals, albedo):
 def test_weight_is_a_number_of_pixels(normals):
     weights = np.zeros((12, 9))
     weights[3], weights[5] = 2.0, 1.0
-    weighted = analytic_pca(normals, weights=weights, degree=DEGREE)
-    repeated = analytic_pca(normals[[3, 3, 5]], degree=DEGREE)
+    weighted = analytic_pca(normals, weights=weights, max_degree=DEGREE)
+    repeated = analytic_pca(normals[[3, 3, 5]], max_degree=DEGREE)
     assert np.abs(weighted.eigenvalues - repeated.eigenvalues).max() < ROUNDING
 
 
 def test_albedo_scales_images(normals):
-    full = analytic_pca(normals, degree=DEGREE)
-    half = analytic_pca(normals, np.full((12, 9), 0.5), degree=DEGREE)
+    full = analytic_pca(normals, max_degree=DEGREE)
+    half = analytic_pca(normals, np.full((12, 9), 0.5), max_degree=DEGREE)
     assert np.abs(half.eigenvalues - full.eigenvalues / 4).max() < ROUNDING
     assert np.abs(half.modes(5) - full.modes(5)).max() < ROUNDING
 
 
 def test_modes_are_orthonormal_and_what_the_expansion_says(normals, albedo):
-    pca = analytic_pca(normals, albedo, np.full((12, 9), 0.3), degree=DEGREE)
+    pca = analytic_pca(normals, albedo, np.full((12, 9), 0.3), max_degree=DEGREE)
     modes = pca.modes(6)
     products = np.einsum("jhw,khw,hw->jk", modes, modes, pca.weights)
     assert np.abs(products - np.eye(6)).max() < ROUNDING
@@ -66,11 +66,11 @@ def test_modes_are_orthonormal_and_what_the_expansion_says(normals, albedo):
 
 
 def test_chunks_do_not_matter(normals, albedo, monkeypatch):
-    whole = analytic_pca(normals, albedo, degree=DEGREE)
+    whole = analytic_pca(normals, albedo, max_degree=DEGREE)
     modes = whole.modes(5)
     for module in (gram, analytic):
         monkeypatch.setattr(module, "CHUNK", 7)
-    parts = analytic_pca(normals, albedo, degree=DEGREE)
+    parts = analytic_pca(normals, albedo, max_degree=DEGREE)
     assert np.abs(parts.eigenvalues - whole.eigenvalues).max() < ROUNDING
     assert np.abs(np.abs(parts.modes(5)) - np.abs(modes)).max() < ROUNDING
 
@@ -81,15 +81,15 @@ def test_memory_is_a_fraction_of_all_harmonics(rng):
     normals = rng.normal(size=(pixels, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     tracemalloc.start()
-    analytic_pca(normals, degree=degree)
+    analytic_pca(normals, max_degree=degree)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < harmonic_count(degree) * normals[:, 0].nbytes / 3
 
 
 def test_single_precision(normals, albedo):
-    double = analytic_pca(normals, albedo, degree=DEGREE)
-    single = analytic_pca(normals.astype(np.float32), albedo.astype(np.float32), degree=DEGREE)
+    double = analytic_pca(normals, albedo, max_degree=DEGREE)
+    single = analytic_pca(normals.astype(np.float32), albedo.astype(np.float32), max_degree=DEGREE)
     assert single.modes(5).dtype == np.float32
     assert single.eigenvalues.dtype == np.float64
     # About a hundred products in single precision.
@@ -122,12 +122,12 @@ def test_weights_where_nothing_is_seen(normals):
         ("albedo", np.full((12, 9), np.inf), "albedo must be finite"),
         ("light", uniform_lights(2), "degree 4"),
         ("light", environment_lights(np.ones((1, 25))), "none varies"),
-        ("degree", -1, "must be 0 or more"),
+        ("max_degree", -1, "must be 0 or more"),
     ],
 )
 def test_refused(normals, name, value, message):
     with pytest.raises(ArgumentError, match=message):
-        analytic_pca(normals, **{"degree": DEGREE, name: value})
+        analytic_pca(normals, **{"max_degree": DEGREE, name: value})
 
 
 @pytest.mark.parametrize("bad", [np.nan, 2.0])
@@ -139,7 +139,7 @@ def test_normals_are_zero_or_of_unit_length(normals, bad):
 
 def test_more_modes_than_there_are(normals):
     few = environment_lights(np.eye(25)[:3])
-    pca = analytic_pca(normals, light=few, degree=DEGREE)
+    pca = analytic_pca(normals, light=few, max_degree=DEGREE)
     assert len(pca.modes(2)) == 2
     with pytest.raises(ArgumentError, match="count must be at most 2"):
         pca.modes(3)

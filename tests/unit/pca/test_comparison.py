@@ -36,7 +36,7 @@ def components(modes: np.ndarray) -> EmpiricalPCA:
 @pytest.mark.parametrize("least", [1.0, 0.01])
 def test_angles_and_correlations_of_turned_modes(normals, least):
     """The second mode is turned by 30 degrees out of the span, the first changes its sign."""
-    theory = analytic_pca(normals, weights=np.linspace(least, 1, len(normals)), degree=4)
+    theory = analytic_pca(normals, weights=np.linspace(least, 1, len(normals)), max_degree=4)
     first, second, outside = theory.modes(3)
     turned = np.cos(np.pi / 6) * second + np.sin(np.pi / 6) * outside
     result = compare(theory, components(np.stack([-first, turned])), 2)
@@ -77,14 +77,14 @@ def test_same_seed_same_interval(normals):
 
 
 def test_other_pixels(normals):
-    theory = analytic_pca(normals[:-1], degree=2)
+    theory = analytic_pca(normals[:-1], max_degree=2)
     with pytest.raises(ArgumentError, match="empirical must have the analytic pixels"):
         compare(theory, attached_shadow_pca(normals, fibonacci_directions(50)))
 
 
 def test_fewer_modes_than_compared(normals):
     images = attached_shadow_pca(normals, fibonacci_directions(50), count=3)
-    theory = analytic_pca(normals, degree=2)
+    theory = analytic_pca(normals, max_degree=2)
     with pytest.raises(ArgumentError, match="empirical must have 4 modes, got 3"):
         compare(theory, images, 4)
     one = AnalyticPCA(

@@ -18,7 +18,7 @@ from harmface.pca import (
 
 def test_modes_of_a_frontal_sphere_are_bright_ahead_on_the_right_and_above():
     pca = lighting_pca(sphere_gram(4, "pixels"))
-    assert pca.degree == 4
+    assert pca.max_degree == 4
     largest = np.abs(pca.expansion).argmax(axis=1)
     assert set(largest[:3]) == {1, 2, 3}
     assert (pca.expansion[np.arange(len(largest)), largest] > 0).all()

@@ -11,7 +11,7 @@ from harmface.rendering.irradiance import (
     matrix_irradiance,
     polynomial_irradiance,
 )
-from harmface.sphere import random_directions
+from harmface.sphere import fibonacci_directions, random_directions
 
 NORMALS = random_directions(60, rng=2).reshape(4, 15, 3)
 
@@ -91,3 +91,19 @@ LIGHT = DistantLight(np.eye(3), np.array([[1.0, 1.0, 1.0], [0.0, 0.0, 0.0]]))
 def test_arguments_that_make_no_sense_are_refused(unchecked, call, said):
     with pytest.raises(ArgumentError, match=said):
         call()
+
+
+def test_grey_coefficients_have_no_axis_of_channels(rng):
+    grey = rng.standard_normal(9)
+    normals = fibonacci_directions(40).reshape(5, 8, 3)
+    expected = harmonic_irradiance(grey[None], normals)[0]
+    assert irradiance_matrix(grey).shape == (4, 4)
+    for found in (
+        harmonic_irradiance(grey, normals),
+        polynomial_irradiance(grey, normals),
+        matrix_irradiance(irradiance_matrix(grey), normals),
+    ):
+        assert found.shape == (5, 8)
+        # The published constants have six digits.
+        np.testing.assert_allclose(found, expected, atol=2e-5)
+    assert irradiance_map(grey, "cube", 4).shape == (6, 4, 4)

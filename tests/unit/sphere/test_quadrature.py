@@ -4,6 +4,7 @@ import pytest
 from harmface.conventions import degrees
 from harmface.errors import ArgumentError
 from harmface.sphere import Quadrature, gauss_legendre, lebedev, real_harmonics
+from harmface.sphere.quadrature import LEBEDEV_ORDERS
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2, 5, 6, 13, 32, 64, 65])
@@ -31,6 +32,19 @@ def test_lebedev_weights_are_positive(degree):
     assert lebedev(degree).weights.min() > 0
 
 
+@pytest.mark.parametrize("order", LEBEDEV_ORDERS)
+def test_every_listed_order_is_a_rule_of_that_degree(order):
+    rule = lebedev(order)
+    assert rule.degree == order
+    # Exact at its degree: the integral of z**n is 4 pi / (n + 1) for even n.
+    even = order - order % 2
+    moment = rule.directions[:, 2] ** even @ rule.weights
+    assert moment == pytest.approx(4 * np.pi / (even + 1), rel=1e-12)
+    if order < LEBEDEV_ORDERS[-1]:
+        following = LEBEDEV_ORDERS[LEBEDEV_ORDERS.index(order) + 1]
+        assert lebedev(order + 1).degree == following
+
+
 def test_lebedev_takes_fewer_directions():
     assert lebedev(65).weights.size < 0.7 * gauss_legendre(65).weights.size
 
@@ -56,6 +70,7 @@ def test_refuses_degrees_that_no_rule_has():
         (np.eye(3)[np.newaxis], np.ones(1), "directions of shape"),
         (2 * np.eye(3), np.ones(3), "unit vectors"),
         (np.eye(3), np.full(3, np.nan), "weights must be finite"),
+        (np.eye(3)[0], np.ones(()), "directions of shape"),
     ],
 )
 def test_refuses_what_is_not_a_quadrature(directions, weights, message, unchecked):

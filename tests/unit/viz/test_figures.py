@@ -5,9 +5,10 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from harmface.errors import FileError
+from harmface.errors import ArgumentError, FileError
 from harmface.geometry import Mesh, depth_to_mesh
 from harmface.light import EnvironmentMap, project
+from harmface.rendering import harmonic_images
 from harmface.viz import (
     basis_figure,
     environment_figure,
@@ -35,11 +36,52 @@ def test_a_figure_is_written_whole_or_not_at_all(tmp_path):
     figure = Figure()
     with pytest.raises(FileError, match="cannot be written"):
         write_figure(tmp_path / "no" / "a.png", figure)
-    with pytest.raises(FileError, match=r"ends in \.png"):
-        write_figure(tmp_path / "a.pdf", figure)
+    with pytest.raises(FileError, match=r"ends in \.png, \.svg, \.pdf"):
+        write_figure(tmp_path / "a.gif", figure)
+    with pytest.raises(ArgumentError, match="dpi"):
+        write_figure(tmp_path / "a.png", figure, dpi=0)
     assert not list(tmp_path.iterdir())
     write_figure(tmp_path / "a.png", figure)
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+
+
+@pytest.mark.parametrize(("name", "start"), [("a.svg", b"<?xml"), ("a.pdf", b"%PDF-1")])
+def test_the_ending_says_the_format(tmp_path, name, start):
+    figure = spectrum_figure({"ours": [0.5, 0.2]})
+    write_figure(tmp_path / name, figure)
+    first = (tmp_path / name).read_bytes()
+    assert first.startswith(start)
+    write_figure(tmp_path / name, figure)
+    assert (tmp_path / name).read_bytes() == first
+
+
+def test_dots_per_inch():
+    figure = spectrum_figure({"ours": [0.5, 0.2]})
+    small, large = (Image.open(BytesIO(figure_bytes(figure, dpi=dpi))).size[0] for dpi in (50, 200))
+    assert large == pytest.approx(4 * small, rel=0.02)
+
+
+def test_notebooks_show_a_figure_without_being_told():
+    figure = spectrum_figure({"ours": [0.5, 0.2]})
+    assert figure._repr_png_() == figure_bytes(figure)
+
+
+def test_panels_of_degrees_that_vanish_say_so():
+    y, x = np.mgrid[1:-1:24j, -1:1:24j]
+    mask = x**2 + y**2 < 0.95
+    normals = np.where(
+        mask[..., None], np.dstack([x, y, np.sqrt(np.where(mask, 1 - x**2 - y**2, 0))]), 0
+    )
+    figure = basis_figure(harmonic_images(normals, mask.astype(float), 3), mask)
+    panels = {axes.get_title(): axes for axes in figure.axes if axes.get_title()}
+    zero = [title for title, axes in panels.items() if [t.get_text() for t in axes.texts]]
+    assert len(panels) == 16
+    assert zero == [title for title in panels if title.startswith("$A_{3}")]
+    # Each of the other degrees has a scale, which is symmetric about zero.
+    bars = [image for axes in panels.values() for image in axes.images if image.colorbar]
+    assert [bar.norm.vmin for bar in bars] == [-bar.norm.vmax for bar in bars]
+    assert len(bars) == 3
+    assert all(bar.colorbar.ax.get_ylabel().startswith("irradiance") for bar in bars)
 
 
 def test_positive_is_green_negative_blue_and_background_grey():

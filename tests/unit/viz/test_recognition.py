@@ -48,8 +48,8 @@ def test_a_row_shows_probe_light_and_the_two_subjects():
     figure = explanation_figure(rows, MASK)
     titles = [axes.get_title() for axes in figure.axes]
     assert titles == [
-        *("one.png", "light", "ann (0.1)", "difference ±0.25", "bob (0.3)", "difference ±0.25"),
-        *("two.png", "light", "ann (0.1)", "difference ±0.25", "", ""),
+        *("one.png", "light", "ann (0.1)", "probe less it", "bob (0.3)", "probe less it"),
+        *("two.png", "light", "ann (0.1)", "probe less it", "", ""),
     ]
     differences = [figure.axes[k].images[0].get_array() for k in (3, 5)]
     assert np.ptp(differences[0].compressed()) == 0
@@ -65,7 +65,7 @@ def test_a_row_shows_probe_light_and_the_two_subjects():
 
 def test_without_a_known_light_no_sphere_is_shown():
     figure = explanation_figure([Explanation("a", PROBE, [("ann", PROBE)], None)], MASK)
-    assert [axes.get_title() for axes in figure.axes] == ["a", "ann", "difference ±0.25"]
+    assert [axes.get_title() for axes in figure.axes] == ["a", "ann", "probe less it"]
 
 
 def found(errors):
