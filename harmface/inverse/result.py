@@ -1,0 +1,147 @@
+"""The light that a photograph tells, with what it does not tell."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from harmface.conventions import LUMINANCE, degree_order, max_degree_of
+from harmface.rendering import harmonic_irradiance
+from harmface.sphere import fibonacci_directions, real_harmonics
+
+INTERVAL = 1.96
+"""Half of a 95 % interval, in standard deviations."""
+
+
+@dataclass(frozen=True, eq=False)
+class LightEstimate:
+    """Light from a photograph: coefficients, their covariance, and what stays open.
+
+    The leading axes, `*channels`, are those of the photograph's colours. The unit is the
+    photograph's: with an albedo of 1 a pixel is the irradiance itself.
+
+    Parameters
+    ----------
+    least_norm
+        Coefficients, all finite. Where the pixels leave some open they are the least that
+        explain the photograph as well as any.
+    covariance
+        Of the coefficients' errors; NaN in rows and columns of those that are not determined.
+    determined
+        Whether the pixels, or a prior, tell a coefficient at all. Odd degrees above 1 of a convex
+        matte object are not told, nor are coefficients that the visible normals cannot separate.
+    singular_values
+        As `singular_values` has them, over the pixels that voted, averaged over the channels.
+    noise
+        Standard deviation of a pixel that votes.
+    weights
+        Vote of every pixel, from 0 to 1: `(*channels, *pixels)`.
+    fit
+        The photograph that the light gives, alike.
+    residual
+        What is left of the photograph's voting pixels, relative to their root mean square.
+    """
+
+    least_norm: Float[np.ndarray, "*channels K"]
+    covariance: Float[np.ndarray, "*channels K K"]
+    determined: Bool[np.ndarray, "K"]
+    singular_values: Float[np.ndarray, "n"]
+    noise: Float[np.ndarray, "*channels"]
+    weights: Float[np.ndarray, "*channels_pixels"]
+    fit: Float[np.ndarray, "*channels_pixels"]
+    residual: Float[np.ndarray, "*channels"]
+
+    @property
+    def coefficients(self) -> Float[np.ndarray, "*channels K"]:
+        """Lighting coefficients, NaN where they are not determined."""
+        return np.where(self.determined, self.least_norm, np.nan)
+
+    @property
+    def degree(self) -> int:
+        """Highest degree."""
+        return max_degree_of(self.least_norm.shape[-1])
+
+    @property
+    def standard_errors(self) -> Float[np.ndarray, "*channels K"]:
+        """Standard deviation of the coefficients' errors; infinite where not determined."""
+        variances = np.einsum("...kk->...k", self.covariance)
+        return np.where(self.determined, np.sqrt(np.maximum(variances, 0)), np.inf)
+
+    @property
+    def vague(self) -> Bool[np.ndarray, "*channels K"]:
+        """Whether a coefficient's 95 % interval says no more than that light is not negative.
+
+        Light of mean radiance `L_00 / sqrt(4 pi)` that is nowhere negative has coefficients of at
+        most `L_00 sqrt(4 pi) max |Y_lm|`.
+        """
+        largest = np.abs(real_harmonics(fibonacci_directions(4000), self.degree)).max(axis=1)
+        bound = np.sqrt(4 * np.pi) * largest * np.abs(self.least_norm[..., :1])
+        return np.asarray(INTERVAL * self.standard_errors > bound)
+
+    @property
+    def condition(self) -> float:
+        """How much worse the worst combination of coefficients is told than the best."""
+        with np.errstate(divide="ignore"):
+            return float(self.singular_values[0] / self.singular_values[-1])
+
+    @cached_property
+    def grey(self) -> tuple[Float[np.ndarray, "K"], Float[np.ndarray, "K K"]]:
+        """Coefficients of the luminance, and their covariance."""
+        if self.least_norm.ndim == 1:
+            return self.least_norm, self.covariance
+        share = np.array(LUMINANCE)
+        return share @ self.least_norm, np.tensordot(share**2, self.covariance, axes=1)
+
+    @property
+    def direction(self) -> Float[np.ndarray, "3"]:
+        """Unit vector to where most light comes from, the direction of degree 1."""
+        first = self.grey[0][[3, 1, 2]]
+        length = np.linalg.norm(first)
+        return first / length if length > 0 else np.array([0.0, 0.0, 1.0])
+
+    @property
+    def direction_error(self) -> float:
+        """Standard deviation of that direction across itself, in degrees; NaN if not told."""
+        light, covariance = self.grey
+        length = float(np.linalg.norm(light[1:4]))
+        if not self.determined[1:4].all() or length == 0:
+            return float("nan")
+        order = [3, 1, 2]
+        own = covariance[np.ix_(order, order)]
+        along = self.direction
+        across = np.trace(own) - along @ own @ along
+        return float(np.degrees(np.sqrt(max(across, 0.0)) / length))
+
+    @property
+    def ambient_share(self) -> float:
+        """Share of the light's power that is even, were the rest one lamp: `1 - |L_1| / (sqrt 3 L_0)`.
+
+        A single lamp has 0, light that is the same from opposite sides 1.
+        """
+        light = self.grey[0]
+        return float(1 - np.linalg.norm(light[1:4]) / (np.sqrt(3) * light[0]))
+
+    def irradiance(self, normals: Float[np.ndarray, "*pixels 3"]) -> Float[np.ndarray, "..."]:
+        """Return the irradiance of normals under the light, see `rendering.harmonic_irradiance`."""
+        return harmonic_irradiance(self.least_norm, normals)
+
+    def __str__(self) -> str:
+        """Return a table of the coefficients and what the photograph says of the whole."""
+        light, errors = np.atleast_2d(self.coefficients), np.atleast_2d(self.standard_errors)
+        vague = np.atleast_2d(self.vague)
+        lines = ["l  m   coefficient ± standard error"]
+        for k in range(light.shape[1]):
+            l, m = degree_order(k)  # noqa: E741 - the field's name for it
+            told = [
+                f"{value:9.4f} ± {error:.4f}{' (vague)' if open_ else ''}"
+                for value, error, open_ in zip(light[:, k], errors[:, k], vague[:, k], strict=True)
+            ]
+            lines.append(f"{l}  {m:+d}  " + ("  ".join(told) if self.determined[k] else "unobserved"))
+        x, y, z = self.direction
+        lines += [
+            f"dominant direction ({x:.3f}, {y:.3f}, {z:.3f}) ± {self.direction_error:.1f} degrees",
+            f"ambient share {self.ambient_share:.0%}, residual {self.residual.max():.1%}, "
+            f"condition number {self.condition:.3g}",
+        ]
+        return "\n".join(lines)
