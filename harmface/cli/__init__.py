@@ -18,6 +18,7 @@ from harmface.cli import (
     cluster,
     envmap,
     evaluate,
+    light,
     pca,
     recognition,
     render,
@@ -38,6 +39,7 @@ app = typer.Typer(
 )
 app.add_typer(synth.app, name="synth")
 app.add_typer(envmap.app, name="envmap")
+app.add_typer(light.app, name="light")
 app.command("basis")(basis.basis)
 app.command("render")(render.render)
 app.command("enroll")(recognition.enroll)

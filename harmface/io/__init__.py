@@ -18,6 +18,7 @@ from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
 from harmface.io.pictures import MAX_PIXELS
+from harmface.io.pixel_maps import read_albedo_map, read_normal_map
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
 
@@ -35,6 +36,7 @@ __all__ = [
     "find_photographs",
     "output_folder",
     "prepare_folder",
+    "read_albedo_map",
     "read_capture",
     "read_coefficients",
     "read_dataset",
@@ -44,6 +46,7 @@ __all__ = [
     "read_lights",
     "read_mask",
     "read_mesh",
+    "read_normal_map",
     "read_npz",
     "read_photographs",
     "read_probe_grid",

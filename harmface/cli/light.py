@@ -1,0 +1,230 @@
+"""`harmface light`: the light a photograph was taken in, and coefficients of other tools."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+from typer.core import TyperGroup
+
+from harmface import checks
+from harmface.cli.common import JsonOption, claim_outputs, errors, output, told
+from harmface.cli.mesh_options import MeshReading
+from harmface.cli.option_groups import with_options
+from harmface.cli.photographed import PhotoArgument, SurfaceReading
+from harmface.conventions import luminance
+from harmface.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    from harmface.inverse import LightEstimate, LightPrior
+
+MUCH_CLIPPED = 0.5
+"""Share of the surface that may be clipped; more is refused."""
+
+MAP_SUFFIXES = (".hdr", ".pfm", ".exr")
+
+BETTER = 0.8
+"""Residual after sRGB is undone, as a share of that before, from which a photograph seems to be
+encoded."""
+
+
+class _PhotographFirst(TyperGroup):
+    """A group whose arguments, unless they begin with one of its commands, are those of `estimate`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the name of the command in front that may be left out."""
+        if args and args[0] not in (*self.commands, "--help"):
+            args = ["estimate", *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(
+    cls=_PhotographFirst,
+    help="Light from a photograph (harmface light PHOTO --mesh HEAD), and coefficients between "
+    "tools (harmface light convert).",
+    no_args_is_help=True,
+)
+
+
+@app.command()
+@with_options("mesh_reading", MeshReading)
+@with_options("reading", SurfaceReading)
+def estimate(
+    photo: PhotoArgument,
+    degree: Annotated[int, typer.Option(help="Highest degree; above 2 give a --prior.")] = 2,
+    non_negative: Annotated[
+        bool, typer.Option("--non-negative", help="The best light that is nowhere negative.")
+    ] = False,
+    prior: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", help="Lat-long environment maps to learn from what light is like."
+        ),
+    ] = None,
+    rotations: Annotated[
+        bool, typer.Option("--rotations", help="Maps of the prior may be turned any way round.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="JSON: coefficients, covariance and all that is printed.")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(help="PNG: photograph, fit, residual, the light, error bars.")
+    ] = None,
+    as_json: JsonOption = False,
+    *,
+    reading: SurfaceReading,
+    mesh_reading: MeshReading,
+) -> None:
+    """Estimate the light of a photograph of a known surface; the word `estimate` may be left out.
+
+    Coefficients come with standard errors, in the photograph's unit; what the photograph does not
+    tell is said to be unobserved. Shadows, highlights and clipped pixels have no vote; shadows that
+    a mesh casts are computed. Photographs are taken as linear unless --srgb is given.
+
+    Example: harmface light photo.png --mesh head.glb --figure light.png --out light.json
+    """
+    from harmface.inverse import estimate_light, estimate_light_and_albedo
+
+    checks.degree("--degree", degree)
+    if rotations and prior is None:
+        raise ArgumentError("--rotations says how to learn a --prior; give that too")
+    inputs = reading.files(photo)
+    claim_outputs(out, figure, inputs=inputs)
+    image = reading.load_photo(photo)
+    surface = reading.load_surface((image.shape[0], image.shape[1]), mesh_reading)
+    believed = image < 1
+    clipped = 1 - believed[surface.mask].mean()
+    if clipped > MUCH_CLIPPED:
+        raise FileError(
+            f"{photo}: is clipped on {clipped:.0%} of the surface; expose it less"
+        )
+    known = None if prior is None else _learned(prior, degree, rotations)
+    with errors.status("estimating"):
+        basis = surface.harmonic_irradiances(degree)
+        albedo = _matching(surface.albedo, image)
+        options: dict[str, Any] = {
+            "degree": degree,
+            "mask": surface.mask,
+            "believed": believed,
+            "visibility": basis,
+            "prior": known,
+            "non_negative": non_negative,
+        }
+        if reading.albedo == "unknown":
+            found, _ = estimate_light_and_albedo(image, surface.normals, **options)
+        else:
+            found = estimate_light(image, surface.normals, albedo, **options)
+    notes = _notes(image, found, reading, clipped)
+    if not reading.srgb and reading.albedo != "unknown" and _seems_encoded(
+        image, surface, albedo, options, found
+    ):
+        notes.append("the photograph seems to be sRGB-encoded: try --srgb")
+    summary = _summary(found, notes)
+    if figure is not None:
+        from harmface.viz import light_figure, write_figure
+
+        write_figure(figure, light_figure(image, found, surface.mask))
+    if out is not None:
+        from harmface.io import atomic_write
+
+        with atomic_write(out) as file:
+            file.write(json.dumps(summary, indent=1).encode() + b"\n")
+    if as_json:
+        typer.echo(json.dumps(summary, indent=1))
+        return
+    with told() as tell:
+        for note in notes:
+            tell(note)
+    output.print(str(found), highlight=False)
+    for path in (out, figure):
+        if path is not None:
+            output.print(f"written: {path}")
+
+
+def _matching(albedo: np.ndarray | None, image: np.ndarray) -> np.ndarray | float:
+    """Return the albedo with the channels of a photograph."""
+    if albedo is None:
+        return 1.0
+    return luminance(albedo) if albedo.ndim == 3 and image.ndim == 2 else albedo
+
+
+def _learned(folder: Path, degree: int, rotations: bool) -> "LightPrior":
+    from harmface.inverse import LightPrior
+    from harmface.io import read_environment_map
+
+    if not folder.is_dir():
+        raise FileError(f"{folder}: must be a folder of environment maps")
+    paths = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in MAP_SUFFIXES]
+    if len(paths) < 2:
+        raise FileError(f"{folder}: must hold two environment maps or more, got {len(paths)}")
+    with told():
+        maps = [read_environment_map(path) for path in paths]
+    return LightPrior.learn(maps, degree, rotations=rotations)
+
+
+def _seems_encoded(
+    image: np.ndarray,
+    surface: Any,
+    albedo: np.ndarray | float,
+    options: dict[str, Any],
+    found: "LightEstimate",
+) -> bool:
+    """Return whether the photograph fits clearly better once sRGB is undone."""
+    from harmface.conventions import srgb_to_linear
+    from harmface.inverse import estimate_light
+
+    linear = srgb_to_linear(image)
+    other = estimate_light(linear, surface.normals, albedo, **options)
+    return bool(other.residual.max() < BETTER * found.residual.max())
+
+
+def _notes(
+    image: np.ndarray, found: "LightEstimate", reading: SurfaceReading, clipped: float
+) -> list[str]:
+    notes = []
+    if clipped > 0:
+        notes.append(f"{clipped:.1%} of the surface is clipped and has no vote")
+    silent = ~found.determined
+    if silent.any():
+        from harmface.conventions import degree_order
+
+        names = ", ".join("({}, {})".format(*degree_order(int(k))) for k in np.flatnonzero(silent))
+        notes.append(f"the photograph tells nothing of coefficients {names}; a --prior would")
+    vague = np.atleast_2d(found.vague).any(axis=0) & found.determined
+    if vague.any():
+        notes.append(
+            f"{vague.sum()} coefficients are vague: all that light could be lies within their "
+            "95 % intervals"
+        )
+    if reading.albedo == "unknown":
+        notes.append("albedo and light share one free factor: the median albedo counts as 1")
+    elif reading.mesh is None and reading.albedo is None:
+        notes.append("the albedo counts as 1 everywhere: the light is told times the true one")
+    return notes
+
+
+def _summary(found: "LightEstimate", notes: list[str]) -> dict[str, Any]:
+    """Return all that was found, as JSON can hold it: null where nothing is known."""
+
+    def listed(array: np.ndarray) -> Any:
+        array = np.asarray(array, float)
+        return np.where(np.isfinite(array), array, None).tolist()  # type: ignore[call-overload]
+
+    light = np.atleast_2d(found.coefficients)
+    count = light.shape[-1]
+    return {
+        "coefficients": listed(light),
+        "standard_errors": listed(np.atleast_2d(found.standard_errors)),
+        "covariance": listed(found.covariance.reshape(-1, count, count)),
+        "determined": found.determined.tolist(),
+        "vague": np.atleast_2d(found.vague).tolist(),
+        "direction": found.direction.tolist(),
+        "direction_error_degrees": listed(np.array(found.direction_error)),
+        "ambient_share": found.ambient_share,
+        "condition": listed(np.array(found.condition)),
+        "singular_values": found.singular_values.tolist(),
+        "noise": np.atleast_1d(found.noise).tolist(),
+        "residual": np.atleast_1d(found.residual).tolist(),
+        "notes": notes,
+    }
