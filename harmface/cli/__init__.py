@@ -21,6 +21,7 @@ from harmface.cli import (
     light,
     pca,
     recognition,
+    relight,
     render,
     reproduce,
     stereo,
@@ -42,6 +43,7 @@ app.add_typer(envmap.app, name="envmap")
 app.add_typer(light.app, name="light")
 app.command("basis")(basis.basis)
 app.command("render")(render.render)
+app.command("relight")(relight.relight)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
 app.command("cluster")(cluster.cluster)

@@ -30,7 +30,7 @@ encoded."""
 
 
 class _PhotographFirst(TyperGroup):
-    """A group whose arguments, unless they begin with one of its commands, are those of `estimate`."""
+    """A group of which `estimate` is the command that need not be named."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put the name of the command in front that may be left out."""
@@ -96,9 +96,7 @@ def estimate(
     believed = image < 1
     clipped = 1 - believed[surface.mask].mean()
     if clipped > MUCH_CLIPPED:
-        raise FileError(
-            f"{photo}: is clipped on {clipped:.0%} of the surface; expose it less"
-        )
+        raise FileError(f"{photo}: is clipped on {clipped:.0%} of the surface; expose it less")
     known = None if prior is None else _learned(prior, degree, rotations)
     with errors.status("estimating"):
         basis = surface.harmonic_irradiances(degree)
@@ -116,8 +114,10 @@ def estimate(
         else:
             found = estimate_light(image, surface.normals, albedo, **options)
     notes = _notes(image, found, reading, clipped)
-    if not reading.srgb and reading.albedo != "unknown" and _seems_encoded(
-        image, surface, albedo, options, found
+    if (
+        not reading.srgb
+        and reading.albedo != "unknown"
+        and _seems_encoded(image, surface, albedo, options, found)
     ):
         notes.append("the photograph seems to be sRGB-encoded: try --srgb")
     summary = _summary(found, notes)
@@ -228,3 +228,34 @@ def _summary(found: "LightEstimate", notes: list[str]) -> dict[str, Any]:
         "residual": np.atleast_1d(found.residual).tolist(),
         "notes": notes,
     }
+
+
+@app.command()
+def convert(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="NPY, JSON or text.")],
+    source: Annotated[str, typer.Option("--from", metavar="TOOL", help="Whose file it is.")],
+    target: Annotated[
+        str, typer.Option("--to", metavar="TOOL", help="Whose coefficients to write.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(help="File to write, .npy for an array; else it is printed.")
+    ] = None,
+) -> None:
+    """Convert lighting coefficients between tools: order, signs, factors and frame.
+
+    Tools: harmface, three.js, filament (sh.txt), filament-radiance, unity, unreal, directx, kaolin,
+    mitsuba, pyshtools, healpy, scipy, pifu, deca, deep3d, dpr, sfsnet; glsl is only written.
+    docs/conventions.md says what each means by its numbers.
+
+    Example: harmface light convert deca.npy --from deca --to three.js
+    """
+    from harmface.io import read_tool_coefficients, tool_text, write_tool_coefficients
+
+    claim_outputs(out, inputs=[file])
+    light = read_tool_coefficients(file, source)
+    text = tool_text(light, target)
+    if out is None:
+        typer.echo(text, nl=False)
+        return
+    write_tool_coefficients(out, light, target)
+    output.print(f"{light.shape[0]} x {light.shape[1]} coefficients in {out}")

@@ -108,12 +108,11 @@ def estimate_light_and_albedo(
         albedo[channel] /= middle
         lights[channel] *= middle
         covariance[channel] *= middle**2
-    fit = albedo * np.maximum(np.tensordot(lights, basis, axes=1), 0)
     found = replace(
         start,
         least_norm=lights[0] if grey else lights,
         covariance=covariance[0] if grey else covariance,
-        fit=fit[0] if grey else fit,
+        pixels=replace(start.pixels, albedo=albedo.reshape(len(albedo), -1)),
     )
     return found, albedo[0] if grey else np.moveaxis(albedo, 0, -1)
 

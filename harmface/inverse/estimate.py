@@ -10,18 +10,16 @@ References
 """
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Integer
 
 from harmface import checks
 from harmface.conventions import harmonic_count
 from harmface.errors import ArgumentError
 from harmface.inverse.conditioning import told_directions
-from harmface.inverse.least_squares import Information, gather, weights_of
+from harmface.inverse.least_squares import BLOCKS, Information, Pixels, gather
 from harmface.inverse.prior import LightPrior
 from harmface.inverse.result import LightEstimate
 from harmface.light.non_negative import nearest_in_cone, sampled_light
-from harmface.reflectance import lambert_per_coefficient
-from harmface.sphere import real_harmonics
 
 PRIOR_ROUNDS = 3
 """Times that the scale of the light is taken from the estimate before."""
@@ -74,8 +72,9 @@ def estimate_light(
         Irradiance of every pixel under each harmonic of the light, cast shadows included, in place
         of `A_l Y_lm(n)`: `rendering.shadowed_harmonic_images` with an albedo of 1.
     noise
-        Standard deviation of the noise: one number, or with the shape of the image. It is found
-        from the residuals if it is not given, or if they are larger.
+        Standard deviation of the noise: one number, or with the shape of the image. The covariance
+        is then that of independent noise of at least that size. Without it residuals tell the
+        covariance, those of each of 16 x 16 blocks as one, so that what the model misses counts.
     prior
         What light is like; its scale is left to the photograph.
     non_negative
@@ -111,77 +110,58 @@ def estimate_light(
     >>> found.direction.round(6) + 0.0
     array([0.6, 0. , 0.8])
     """
-    normals = checks.finite("normals", checks.vectors("normals", normals))
+    normals = checks.vectors("normals", normals)
     pixels = normals.shape[:-1]
-    values = _channels_first("image", checks.intensities("image", image), pixels)
-    reflected = _channels_first("albedo", checks.non_negative("albedo", albedo), pixels)
-    degree = checks.degree("degree", degree)
-    count = harmonic_count(degree)
-    inside = (normals != 0).any(axis=-1)
+    values = _flat("image", checks.intensities("image", image), pixels)
+    shade = _flat("albedo", checks.non_negative("albedo", albedo), pixels)
+    count = harmonic_count(checks.degree("degree", degree))
+    grid = (normals != 0).any(axis=-1)
     if mask is not None:
-        inside = inside & checks.mask("mask", mask, pixels)
-    votes = np.broadcast_to(inside, values.shape) & (reflected > 0)
-    if believed is not None:
-        votes = votes & _channels_first("believed", believed, pixels)
+        grid &= checks.mask("mask", mask, pixels)
+    inside = grid.reshape(-1)
+    if not inside.any():
+        raise ArgumentError("mask must show some of the surface, got none")
+    flat = normals.reshape(-1, 3)
+    checks.unit_vectors("normals", flat if inside.all() else flat[inside])
+    votes = _votes(believed, shade, values.shape, pixels)
     deviations = None
     if noise is not None:
-        deviations = np.broadcast_to(
-            _channels_first("noise", checks.non_negative("noise", noise), pixels), values.shape
-        )
-        if not (deviations[votes] > 0).all():
-            raise ArgumentError("noise must be positive where the photograph is believed")
-    flat = normals[inside]
-    unit = checks.unit_vectors("normals", flat).astype(np.float64, copy=False)
-    if visibility is None:
-        basis = real_harmonics(unit, degree)
-        basis *= lambert_per_coefficient(degree)[:, None]
-    else:
-        basis = _irradiances(visibility, count, pixels)[:, inside]
-    told: list[Information] = []
-    for channel, own in enumerate(votes):
-        some = own[inside]
-        if some.sum() < 1:
-            raise ArgumentError("image must have pixels that may vote, got none; check the mask")
-        shade = np.broadcast_to(reflected, values.shape)[channel][inside][some]
-        seen = values[channel][inside][some].astype(np.float64)
-        if not seen.any():
-            raise ArgumentError("image must not be black everywhere on the surface")
-        factor = shade if deviations is None else shade / deviations[channel][inside][some]
-        if deviations is not None:
-            seen = seen / deviations[channel][inside][some]
-        if count > seen.size:
+        deviations = _flat("noise", checks.non_negative("noise", noise), pixels)
+        if not (deviations > 0).all():
+            raise ArgumentError("noise must be positive everywhere")
+    voting = inside if votes is None else votes & inside
+    for own, seen in zip(np.broadcast_to(voting, values.shape), values, strict=True):
+        number = int(own.sum())
+        if number < count:
             raise ArgumentError(
                 f"image must have at least {count} pixels that may vote, as many as there are "
-                f"coefficients, got {seen.size}; lower the degree"
+                f"coefficients, got {number}; lower the degree, or check mask, albedo and clipping"
             )
-        chosen = basis if some.all() else basis[:, some]
-        told.append(gather(chosen * factor, seen, None if noise is None else 1.0, robust))
+        if not seen[own].any():
+            raise ArgumentError("image must not be black everywhere on the surface")
+    known = Pixels(
+        blocks=_blocks(grid),
+        normals=flat,
+        degree=degree,
+        irradiances=None if visibility is None else _irradiances(visibility, count, pixels),
+        values=values,
+        albedo=shade,
+        votes=votes,
+        deviations=deviations,
+    )
+    told = gather(known, robust)
     light, covariance, determined = _posterior(told, degree, prior, non_negative)
-    fitted = np.zeros(values.shape)
-    weights = np.zeros(values.shape)
-    residual = np.empty(len(told))
-    for channel, each in enumerate(told):
-        shade = np.broadcast_to(reflected, values.shape)[channel][inside]
-        fitted[channel][inside] = shade * (light[channel] @ basis)
-        left = (values[channel] - fitted[channel])[inside]
-        own = votes[channel][inside].astype(np.float64)
-        if robust:
-            scale = each.noise * (1 if deviations is None else deviations[channel][inside])
-            own *= weights_of(left / scale, 1.0)
-        weights[channel][inside] = own
-        power = float(own @ values[channel][inside] ** 2)
-        residual[channel] = np.sqrt(own @ left**2 / power) if power > 0 else np.nan
     grey = image.ndim == len(pixels)
-    singular = _singular_values(basis, reflected, weights, inside, degree)
+    first = 0 if grey else slice(None)
     return LightEstimate(
-        least_norm=light[0] if grey else light,
-        covariance=covariance[0] if grey else covariance,
+        least_norm=light[first],
+        covariance=covariance[first],
         determined=determined,
-        singular_values=singular,
-        noise=np.array([each.noise for each in told])[0 if grey else slice(None)],
-        weights=weights[0] if grey else weights,
-        fit=fitted[0] if grey else fitted,
-        residual=residual[0] if grey else residual,
+        noise=np.array([each.noise for each in told])[first],
+        residual=np.array([each.residual for each in told])[first],
+        pixels=known,
+        shape=pixels,
+        robust=robust,
     )
 
 
@@ -220,46 +200,67 @@ def _scale(
     return max(float(mean @ right) / max(float(mean @ gram @ mean), 1e-300), 1e-300)
 
 
-def _singular_values(
-    basis: Float[np.ndarray, "K p"],
-    reflected: Float[np.ndarray, "..."],
-    weights: Float[np.ndarray, "..."],
-    inside: Bool[np.ndarray, "*pixels"],
-    degree: int,
-) -> Float[np.ndarray, "n"]:
-    """Return the singular values of irradiance over the pixels that voted."""
-    told = lambert_per_coefficient(degree) != 0
-    if (basis[~told] != 0).any():
-        told[:] = True  # cast shadows tell of odd degrees, too
-    each = weights.mean(axis=0)[inside]
-    gram = (basis[told] * (each / each.sum())) @ basis[told].T
-    return np.sqrt(np.maximum(np.linalg.eigvalsh(gram)[::-1], 0))
-
-
-def _channels_first(
-    name: str, array: np.ndarray, pixels: tuple[int, ...]
-) -> Float[np.ndarray, "channels *pixels"]:
+def _flat(name: str, array: np.ndarray, pixels: tuple[int, ...]) -> Float[np.ndarray, "channels p"]:
     """Return an array of pixels, or of pixels and channels, or one number, with channels first."""
     array = np.asarray(array)
     if array.ndim == 0:
-        return array.reshape(1, *[1] * len(pixels))
+        return array.reshape(1, 1)
     if array.shape == pixels:
-        return array[None]
+        return array.reshape(1, -1)
     if array.shape[:-1] == pixels:
-        return np.moveaxis(array, -1, 0)
+        return np.ascontiguousarray(array.reshape(-1, array.shape[-1]).T)
     raise ArgumentError(
         f"{name} must have the size of the normals {pixels}, in grey or with channels last, "
         f"got shape {array.shape}"
     )
 
 
+def _votes(
+    believed: Bool[np.ndarray, "..."] | None,
+    shade: Float[np.ndarray, "..."],
+    shape: tuple[int, ...],
+    pixels: tuple[int, ...],
+) -> Bool[np.ndarray, "channels p"] | None:
+    """Return which values may vote; None if all of them may."""
+    reflects = shade > 0
+    if believed is None and reflects.all():
+        return None
+    votes = np.broadcast_to(reflects, shape)
+    if believed is not None:
+        believed = checks.array_of("believed", believed)
+        if believed.dtype != np.bool_:
+            raise ArgumentError(f"believed must be true or false, got dtype {believed.dtype}")
+        votes = votes & _flat("believed", believed, pixels)
+    return votes
+
+
 def _irradiances(
     visibility: Float[np.ndarray, "K *pixels"], count: int, pixels: tuple[int, ...]
-) -> Float[np.ndarray, "K *pixels"]:
+) -> Float[np.ndarray, "K p"]:
     visibility = checks.finite("visibility", visibility)
     if visibility.shape != (count, *pixels):
         raise ArgumentError(
             f"visibility must have shape {(count, *pixels)}, an image for each harmonic, "
             f"got {visibility.shape}"
         )
-    return visibility.astype(np.float64, copy=False)
+    return visibility.reshape(count, -1).astype(np.float64, copy=False)
+
+
+def _blocks(grid: Bool[np.ndarray, "*pixels"]) -> list[Integer[np.ndarray, "n"]]:
+    """Return the numbers of the surface's pixels in each of `BLOCKS x BLOCKS` parts of its box.
+
+    Pixels that form no picture count as neighbours by their order.
+    """
+    number = np.arange(grid.size).reshape(grid.shape)
+    if grid.ndim != 2:
+        return [part for part in np.array_split(number[grid], BLOCKS**2) if part.size]
+    rows, columns = (np.flatnonzero(grid.any(axis=axis)) for axis in (1, 0))
+    found = []
+    for band in np.array_split(np.arange(rows[0], rows[-1] + 1), BLOCKS):
+        for part in np.array_split(np.arange(columns[0], columns[-1] + 1), BLOCKS):
+            if band.size and part.size:
+                place = slice(band[0], band[-1] + 1), slice(part[0], part[-1] + 1)
+                own = number[place][grid[place]]
+                if own.size:
+                    found.append(own)
+    return found

@@ -116,10 +116,10 @@ def camera_from_mask(
         pixel = camera.height / shape[0]
         ratio = (own_high[0] - own_low[0]) / (high[0] - low[0])
         # The centre of the own box, in the mesh's unit, is to appear at the mask's centre.
-        own, wanted = (own_low + own_high) / 2, (low + high) / 2
         middle = np.array([shape[0] / 2, shape[1] / 2])
-        x = camera.center[0] + pixel * (own[1] - middle[1]) - ratio * pixel * (wanted[1] - middle[1])
-        y = camera.center[1] - pixel * (own[0] - middle[0]) + ratio * pixel * (wanted[0] - middle[0])
+        own, wanted = (own_low + own_high) / 2 - middle, (low + high) / 2 - middle
+        x = camera.center[0] + pixel * (own[1] - ratio * wanted[1])
+        y = camera.center[1] - pixel * (own[0] - ratio * wanted[0])
         camera = _camera(mesh, float(x), float(y), float(camera.height * ratio), shape)
     return camera
 

@@ -86,7 +86,9 @@ class LightPrior:
         if len(lights) < FEWEST:
             raise ArgumentError(f"maps must number at least {FEWEST}, got {len(lights)}")
         sample = np.stack(lights)
-        power = np.bincount(degrees(degree), (sample**2).mean(axis=0)) / np.bincount(degrees(degree))
+        power = np.bincount(degrees(degree), (sample**2).mean(axis=0)) / np.bincount(
+            degrees(degree)
+        )
         isotropic = np.diag(power[degrees(degree)])
         isotropic[0, 0] = 0
         if rotations:

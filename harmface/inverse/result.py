@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from harmface.conventions import LUMINANCE, degree_order, max_degree_of
+from harmface.inverse.least_squares import Pixels, weights_of
 from harmface.rendering import harmonic_irradiance
 from harmface.sphere import fibonacci_directions, real_harmonics
 
@@ -31,26 +32,22 @@ class LightEstimate:
     determined
         Whether the pixels, or a prior, tell a coefficient at all. Odd degrees above 1 of a convex
         matte object are not told, nor are coefficients that the visible normals cannot separate.
-    singular_values
-        As `singular_values` has them, over the pixels that voted, averaged over the channels.
     noise
-        Standard deviation of a pixel that votes.
-    weights
-        Vote of every pixel, from 0 to 1: `(*channels, *pixels)`.
-    fit
-        The photograph that the light gives, alike.
+        Standard deviation of a voting pixel, over what was said of it if anything was.
     residual
         What is left of the photograph's voting pixels, relative to their root mean square.
+    pixels, shape, robust
+        What the light was estimated from: `fit` and `weights` are computed when asked for.
     """
 
     least_norm: Float[np.ndarray, "*channels K"]
     covariance: Float[np.ndarray, "*channels K K"]
     determined: Bool[np.ndarray, "K"]
-    singular_values: Float[np.ndarray, "n"]
     noise: Float[np.ndarray, "*channels"]
-    weights: Float[np.ndarray, "*channels_pixels"]
-    fit: Float[np.ndarray, "*channels_pixels"]
     residual: Float[np.ndarray, "*channels"]
+    pixels: Pixels
+    shape: tuple[int, ...]
+    robust: bool
 
     @property
     def coefficients(self) -> Float[np.ndarray, "*channels K"]:
@@ -78,6 +75,44 @@ class LightEstimate:
         largest = np.abs(real_harmonics(fibonacci_directions(4000), self.degree)).max(axis=1)
         bound = np.sqrt(4 * np.pi) * largest * np.abs(self.least_norm[..., :1])
         return np.asarray(INTERVAL * self.standard_errors > bound)
+
+    @cached_property
+    def fit(self) -> Float[np.ndarray, "*channels_pixels"]:
+        """The photograph that the light gives, `(*channels, *pixels)`, 0 off the surface."""
+        own = np.zeros(self.pixels.values.shape)
+        light = np.atleast_2d(self.least_norm)
+        for block in self.pixels.blocks:
+            shade = self.pixels.albedo
+            shade = shade[:, block] if shade.shape[1] > 1 else shade
+            own[:, block] = shade * (light @ self.pixels.basis(block))
+        return own.reshape(*self.least_norm.shape[:-1], *self.shape)
+
+    @cached_property
+    def weights(self) -> Float[np.ndarray, "*channels_pixels"]:
+        """Vote of every pixel, from 0 to 1: `(*channels, *pixels)`."""
+        own = np.zeros(self.pixels.values.shape)
+        light = np.atleast_2d(self.least_norm)
+        for block in self.pixels.blocks:
+            values, factor = self.pixels.scaled(block)
+            left = (values - factor * (light @ self.pixels.basis(block))).T / self.noise
+            votes = weights_of(left.T) if self.robust else np.ones_like(left.T)
+            own[:, block] = votes * (factor > 0)
+        return own.reshape(*self.least_norm.shape[:-1], *self.shape)
+
+    @cached_property
+    def singular_values(self) -> Float[np.ndarray, "n"]:
+        """As `inverse.singular_values` has them, of the pixels by their votes.
+
+        Degrees that no pixel tells are left out.
+        """
+        each = self.weights.reshape(-1, self.pixels.values.shape[-1]).mean(axis=0)
+        gram = np.zeros((self.determined.size, self.determined.size))
+        for block in self.pixels.blocks:
+            basis = self.pixels.basis(block)
+            gram += (basis * each[block]) @ basis.T
+        told = np.diagonal(gram) > 0
+        values = np.linalg.eigvalsh(gram[np.ix_(told, told)] / each.sum())
+        return np.sqrt(np.maximum(values[::-1], 0))
 
     @property
     def condition(self) -> float:
@@ -115,7 +150,7 @@ class LightEstimate:
 
     @property
     def ambient_share(self) -> float:
-        """Share of the light's power that is even, were the rest one lamp: `1 - |L_1| / (sqrt 3 L_0)`.
+        """Share of even light if the rest were one lamp, `1 - |L_1| / (sqrt 3 L_0)`.
 
         A single lamp has 0, light that is the same from opposite sides 1.
         """
@@ -137,7 +172,9 @@ class LightEstimate:
                 f"{value:9.4f} ± {error:.4f}{' (vague)' if open_ else ''}"
                 for value, error, open_ in zip(light[:, k], errors[:, k], vague[:, k], strict=True)
             ]
-            lines.append(f"{l}  {m:+d}  " + ("  ".join(told) if self.determined[k] else "unobserved"))
+            lines.append(
+                f"{l}  {m:+d}  " + ("  ".join(told) if self.determined[k] else "unobserved")
+            )
         x, y, z = self.direction
         lines += [
             f"dominant direction ({x:.3f}, {y:.3f}, {z:.3f}) ± {self.direction_error:.1f} degrees",

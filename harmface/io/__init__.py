@@ -21,6 +21,11 @@ from harmface.io.pictures import MAX_PIXELS
 from harmface.io.pixel_maps import read_albedo_map, read_normal_map
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
+from harmface.io.tool_coefficients import (
+    read_tool_coefficients,
+    tool_text,
+    write_tool_coefficients,
+)
 
 __all__ = [
     "MAX_PIXELS",
@@ -50,7 +55,9 @@ __all__ = [
     "read_npz",
     "read_photographs",
     "read_probe_grid",
+    "read_tool_coefficients",
     "surface_files",
+    "tool_text",
     "write_coefficients",
     "write_environment_map",
     "write_gallery",
@@ -61,4 +68,5 @@ __all__ = [
     "write_ply",
     "write_probe_grid",
     "write_surface",
+    "write_tool_coefficients",
 ]

@@ -13,7 +13,7 @@ from harmface.io.pictures import MAX_PIXELS
 from harmface.io.tables import npy_array
 
 CODE = 0.01
-"""Departure from unit length that normals in 8 bits may have: three codes are each half a step off."""
+"""Departure from unit length of normals in 8 bits, whose three codes are half a step off each."""
 
 
 def read_normal_map(path: Path | str) -> Float[np.ndarray, "H W 3"]:

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
 
 from harmface.conventions import degree_order, linear_to_srgb
 from harmface.inverse import LightEstimate
@@ -74,7 +75,7 @@ def light_figure(
     axes.plot(
         ROWS * (1 - azimuth / np.pi) - 0.5, ROWS * (0.5 - elevation / np.pi) - 0.5, "+", color="red"
     )
-    axes.set_title("radiance, lat-long, +z in the middle; + where most comes from", fontsize=9)
+    axes.set_title("radiance, lat-long, +z in the middle", fontsize=9)
     for axes in figure.axes:
         axes.set(xticks=[], yticks=[])
     _error_bars(figure, grid[1, 5:8], estimate)
@@ -92,8 +93,8 @@ def _coloured_sphere(estimate: LightEstimate, inside: np.ndarray) -> np.ndarray:
     return image
 
 
-def _error_bars(figure: Figure, place: object, estimate: LightEstimate) -> None:
-    axes = figure.add_subplot(place)  # type: ignore[arg-type]
+def _error_bars(figure: Figure, place: SubplotSpec, estimate: LightEstimate) -> None:
+    axes = figure.add_subplot(place)
     values = np.atleast_2d(estimate.coefficients)
     errors = np.atleast_2d(estimate.standard_errors)
     colors = COLORS if len(values) == len(COLORS) else ("black",) * len(values)
@@ -102,8 +103,14 @@ def _error_bars(figure: Figure, place: object, estimate: LightEstimate) -> None:
         known = np.isfinite(own)
         shift = 0.2 * (number - (len(values) - 1) / 2)
         axes.errorbar(
-            places[known] + shift, own[known], BARS * spread[known], fmt="o", ms=3, lw=1,
-            color=color, capsize=2,
+            places[known] + shift,
+            own[known],
+            BARS * spread[known],
+            fmt="o",
+            ms=3,
+            lw=1,
+            color=color,
+            capsize=2,
         )
     top = np.nanmax(np.abs(values)) * 1.3
     axes.set(ylim=(-top, top), xlim=(-0.6, values.shape[1] - 0.4))
