@@ -94,7 +94,7 @@ def estimate(
     image = reading.load_photo(photo)
     surface = reading.load_surface((image.shape[0], image.shape[1]), mesh_reading)
     believed = image < 1
-    clipped = 1 - believed[surface.mask].mean()
+    clipped = 1 - believed[surface.inner].mean()
     if clipped > MUCH_CLIPPED:
         raise FileError(f"{photo}: is clipped on {clipped:.0%} of the surface; expose it less")
     known = None if prior is None else _learned(prior, degree, rotations)
@@ -103,7 +103,7 @@ def estimate(
         albedo = _matching(surface.albedo, image)
         options: dict[str, Any] = {
             "degree": degree,
-            "mask": surface.mask,
+            "mask": surface.inner,
             "believed": believed,
             "visibility": basis,
             "prior": known,
@@ -124,7 +124,7 @@ def estimate(
     if figure is not None:
         from harmface.viz import light_figure, write_figure
 
-        write_figure(figure, light_figure(image, found, surface.mask))
+        write_figure(figure, light_figure(image, found, surface.inner))
     if out is not None:
         from harmface.io import atomic_write
 

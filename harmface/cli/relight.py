@@ -7,7 +7,7 @@ import numpy as np
 import typer
 
 from harmface.cli.common import claim_outputs, errors, output
-from harmface.cli.light_source import EnvironmentReading
+from harmface.cli.light_source import FrameOption, LayoutOption, MapReading, PartOption
 from harmface.cli.mesh_options import MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.cli.photographed import PhotoArgument, SurfaceReading
@@ -21,7 +21,6 @@ DEGREE = 4
 
 
 @with_options("mesh_reading", MeshReading)
-@with_options("environment_reading", EnvironmentReading)
 @with_options("reading", SurfaceReading)
 def relight(
     photo: PhotoArgument,
@@ -50,9 +49,15 @@ def relight(
         float | None,
         typer.Option(help="Factor on the new light; by default the mean brightness stays."),
     ] = None,
+    layout: LayoutOption = "latlong",
+    frame: FrameOption = None,
+    srgb_environment: Annotated[
+        bool | None,
+        typer.Option("--srgb-environment/--linear-environment", help="Encoding of the map."),
+    ] = None,
+    part: PartOption = None,
     *,
     reading: SurfaceReading,
-    environment_reading: EnvironmentReading,
     mesh_reading: MeshReading,
 ) -> None:
     """Show a photograph of a known surface in other light, its texture kept.
@@ -79,7 +84,8 @@ def relight(
         wanted = read_coefficients(coefficients)
     else:
         assert environment is not None
-        wanted = environment_reading.load_light(environment)
+        maps = MapReading(layout, frame, srgb_environment, part, reading.max_pixels)
+        wanted = maps.load_light(environment)
     with errors.status("relighting"):
         if from_light is not None:
             own = read_coefficients(from_light)
@@ -93,7 +99,7 @@ def relight(
                 surface.normals,
                 albedo,
                 degree=degree,
-                mask=surface.mask,
+                mask=surface.inner,
                 believed=image < 1,
                 visibility=surface.harmonic_irradiances(degree),
             )

@@ -92,13 +92,13 @@ def estimate_light_and_albedo(
         else visibility
     )
     lights = np.atleast_2d(start.least_norm).copy()
-    covariance = np.full((*lights.shape, lights.shape[-1]), np.nan)
+    precision = np.empty((*lights.shape, lights.shape[-1]))
     albedo = np.zeros(values.shape)
     for channel, seen in enumerate(values):
         votes = inside & (seen > 0)
         if believed is not None:
             votes &= believed if believed.ndim == 2 else believed[..., channel]
-        lights[channel], covariance[channel] = _fitted(
+        lights[channel], precision[channel] = _fitted(
             np.log(np.where(votes, seen, 1.0)), votes, basis, lights[channel], prior, degree
         )
         received = np.maximum(np.tensordot(lights[channel], basis, axes=1), 0)
@@ -107,11 +107,11 @@ def estimate_light_and_albedo(
         middle = float(np.median(albedo[channel][lit]))
         albedo[channel] /= middle
         lights[channel] *= middle
-        covariance[channel] *= middle**2
+        precision[channel] /= middle**2
     found = replace(
         start,
         least_norm=lights[0] if grey else lights,
-        covariance=covariance[0] if grey else covariance,
+        precision=precision[0] if grey else precision,
         pixels=replace(start.pixels, albedo=albedo.reshape(len(albedo), -1)),
     )
     return found, albedo[0] if grey else np.moveaxis(albedo, 0, -1)
@@ -164,7 +164,9 @@ def _fitted(
     sums = np.zeros((which.max() + 1, len(light)))
     np.add.at(sums, which, scores.T)
     np.add.at(sums, which[first], edge_scores.T)
-    return light, inverse @ (sums.T @ sums + precision) @ inverse
+    # Scores of a block add up; what is left open stays so.
+    covariance = kept.T @ inverse @ (sums.T @ sums + precision) @ inverse @ kept
+    return light, kept @ np.linalg.inv(covariance) @ kept.T
 
 
 def _pairs(

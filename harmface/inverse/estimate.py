@@ -150,12 +150,12 @@ def estimate_light(
         deviations=deviations,
     )
     told = gather(known, robust)
-    light, covariance, determined = _posterior(told, degree, prior, non_negative)
+    light, precision, determined = _posterior(told, degree, prior, non_negative)
     grey = image.ndim == len(pixels)
     first = 0 if grey else slice(None)
     return LightEstimate(
         least_norm=light[first],
-        covariance=covariance[first],
+        precision=precision[first],
         determined=determined,
         noise=np.array([each.noise for each in told])[first],
         residual=np.array([each.residual for each in told])[first],
@@ -168,9 +168,9 @@ def estimate_light(
 def _posterior(
     told: list[Information], degree: int, prior: LightPrior | None, non_negative: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return coefficients, covariance and what is determined, from what each channel says."""
+    """Return coefficients, their precision and what is determined, from what each channel says."""
     count = harmonic_count(degree)
-    light, covariance = np.zeros((len(told), count)), np.empty((len(told), count, count))
+    light, precisions = np.zeros((len(told), count)), np.empty((len(told), count, count))
     determined = np.ones(count, bool)
     for channel, each in enumerate(told):
         gram, right = each.gram, each.right
@@ -183,14 +183,12 @@ def _posterior(
             gram, right = gram + precision, right + pull
         kept, own = told_directions(gram)
         determined &= own
-        inverse = kept @ np.linalg.inv(kept.T @ gram @ kept) @ kept.T
-        light[channel], covariance[channel] = inverse @ right, inverse
+        precisions[channel] = gram
+        light[channel] = kept @ np.linalg.solve(kept.T @ gram @ kept, kept.T @ right)
         if non_negative:
             rays = sampled_light(degree)
             light[channel] = nearest_in_cone(right[None], gram[None], rays)[0]
-    covariance[:, ~determined] = np.nan
-    covariance[:, :, ~determined] = np.nan
-    return light, covariance, determined
+    return light, precisions, determined
 
 
 def _scale(

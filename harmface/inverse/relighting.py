@@ -12,7 +12,7 @@ from harmface import checks
 from harmface.errors import ArgumentError
 
 FLOOR = 0.1
-"""Irradiance, as a share of its mean, that is divided by at least: in deep shadow a photograph holds
+"""Share of the mean irradiance that is divided by at least: in deep shadow a photograph holds
 little but noise, and the estimate little but its error."""
 
 
@@ -28,8 +28,8 @@ def relight_photograph(
     """Return `photo * after / before` where the mask is true, and the photograph elsewhere.
 
     The ratio of irradiances of a matte surface is the ratio of its photographs, whatever its albedo
-    ([MG97]_). Both are raised by `floor` times their mean, so that what was dark does not become
-    noise.
+    ([MG97]_). It is divided by `floor` times the mean at least, so that what was dark does not
+    become noise.
 
     Parameters
     ----------
@@ -69,8 +69,10 @@ def relight_photograph(
         if not (mean > 0).all():
             raise ArgumentError(f"{name} must not leave the surface dark")
         # One floor for all channels of a light, so that its colour stays.
-        both.append(seen + checks.non_negative("floor", floor) * float(mean.mean()))
-    ratio = both[1] / both[0]
+        both.append((seen, float(mean.mean())))
+    (old, mean_before), (new, _) = both
+    least = float(checks.non_negative("floor", floor)) * mean_before
+    ratio = new / np.maximum(old, max(least, np.finfo(np.float64).tiny))
     relit = photo.astype(np.float64).copy()
     own = relit[mask]
     if ratio.ndim == 2 and own.ndim == 1:

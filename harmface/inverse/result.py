@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from harmface.conventions import LUMINANCE, degree_order, max_degree_of
+from harmface.inverse.conditioning import told_directions
 from harmface.inverse.least_squares import Pixels, weights_of
 from harmface.rendering import harmonic_irradiance
 from harmface.sphere import fibonacci_directions, real_harmonics
@@ -27,8 +28,8 @@ class LightEstimate:
     least_norm
         Coefficients, all finite. Where the pixels leave some open they are the least that
         explain the photograph as well as any.
-    covariance
-        Of the coefficients' errors; NaN in rows and columns of those that are not determined.
+    precision
+        What is known of them: the inverse of their covariance where that exists.
     determined
         Whether the pixels, or a prior, tell a coefficient at all. Odd degrees above 1 of a convex
         matte object are not told, nor are coefficients that the visible normals cannot separate.
@@ -41,7 +42,7 @@ class LightEstimate:
     """
 
     least_norm: Float[np.ndarray, "*channels K"]
-    covariance: Float[np.ndarray, "*channels K K"]
+    precision: Float[np.ndarray, "*channels K K"]
     determined: Bool[np.ndarray, "K"]
     noise: Float[np.ndarray, "*channels"]
     residual: Float[np.ndarray, "*channels"]
@@ -53,6 +54,18 @@ class LightEstimate:
     def coefficients(self) -> Float[np.ndarray, "*channels K"]:
         """Lighting coefficients, NaN where they are not determined."""
         return np.where(self.determined, self.least_norm, np.nan)
+
+    @cached_property
+    def covariance(self) -> Float[np.ndarray, "*channels K K"]:
+        """Covariance of the coefficients' errors, NaN in rows and columns not determined."""
+        each = self.precision.reshape(-1, *self.precision.shape[-2:])
+        found = np.empty_like(each)
+        for own, inverse in zip(each, found, strict=True):
+            kept, _ = told_directions(own)
+            inverse[:] = kept @ np.linalg.inv(kept.T @ own @ kept) @ kept.T
+        found[:, ~self.determined] = np.nan
+        found[:, :, ~self.determined] = np.nan
+        return found.reshape(self.precision.shape)
 
     @property
     def degree(self) -> int:
@@ -121,40 +134,58 @@ class LightEstimate:
             return float(self.singular_values[0] / self.singular_values[-1])
 
     @cached_property
-    def grey(self) -> tuple[Float[np.ndarray, "K"], Float[np.ndarray, "K K"]]:
-        """Coefficients of the luminance, and their covariance."""
-        if self.least_norm.ndim == 1:
-            return self.least_norm, self.covariance
-        share = np.array(LUMINANCE)
-        return share @ self.least_norm, np.tensordot(share**2, self.covariance, axes=1)
+    def first_degree(self) -> tuple[Float[np.ndarray, "4"], Float[np.ndarray, "4 4"]]:
+        """Luminance of the light of degree 1 that agrees best with all that is known, and errors.
+
+        It is the even light and the one gradient that the photograph is explained by best: what
+        higher degrees explain as well, which a frontal view hardly tells from it, goes to them. So
+        it is far steadier than the first four coefficients, whose own direction it is where
+        degrees above 1 are small, or all directions are seen.
+        """
+        count = min(4, self.least_norm.shape[-1])
+        light, covariance = np.zeros(4), np.full((4, 4), np.nan)
+        own = self.precision.reshape(-1, *self.precision.shape[-2:])
+        right = np.einsum("ckl,cl->ck", own, np.atleast_2d(self.least_norm))[:, :count]
+        share = np.array(LUMINANCE) if len(own) == 3 else np.full(len(own), 1 / len(own))
+        kept = [told_directions(each[:count, :count])[0] for each in own]
+        inverse = np.stack(
+            [
+                k @ np.linalg.inv(k.T @ each[:count, :count] @ k) @ k.T
+                for k, each in zip(kept, own, strict=True)
+            ]
+        )
+        light[:count] = share @ np.einsum("ckl,cl->ck", inverse, right)
+        if count == 4 and all(k.shape[1] == 4 for k in kept):
+            covariance = np.tensordot(share**2, inverse, axes=1)
+        return light, covariance
 
     @property
     def direction(self) -> Float[np.ndarray, "3"]:
-        """Unit vector to where most light comes from, the direction of degree 1."""
-        first = self.grey[0][[3, 1, 2]]
+        """Unit vector to where most light comes from, that of `first_degree`."""
+        first = self.first_degree[0][[3, 1, 2]]
         length = np.linalg.norm(first)
         return first / length if length > 0 else np.array([0.0, 0.0, 1.0])
 
     @property
     def direction_error(self) -> float:
         """Standard deviation of that direction across itself, in degrees; NaN if not told."""
-        light, covariance = self.grey
+        light, covariance = self.first_degree
         length = float(np.linalg.norm(light[1:4]))
-        if not self.determined[1:4].all() or length == 0:
+        if length == 0:
             return float("nan")
         order = [3, 1, 2]
         own = covariance[np.ix_(order, order)]
         along = self.direction
         across = np.trace(own) - along @ own @ along
-        return float(np.degrees(np.sqrt(max(across, 0.0)) / length))
+        return float(np.degrees(np.sqrt(np.maximum(across, 0)) / length))
 
     @property
     def ambient_share(self) -> float:
         """Share of even light if the rest were one lamp, `1 - |L_1| / (sqrt 3 L_0)`.
 
-        A single lamp has 0, light that is the same from opposite sides 1.
+        A single lamp has 0, light that is the same from opposite sides 1; of `first_degree`.
         """
-        light = self.grey[0]
+        light = self.first_degree[0]
         return float(1 - np.linalg.norm(light[1:4]) / (np.sqrt(3) * light[0]))
 
     def irradiance(self, normals: Float[np.ndarray, "*pixels 3"]) -> Float[np.ndarray, "..."]:

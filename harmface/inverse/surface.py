@@ -32,7 +32,7 @@ class PhotographedSurface:
     normals
         Unit normals, zero vectors in the background.
     mask
-        Where pixels show the surface alone.
+        Where pixels show the surface.
     albedo
         Of every pixel, in grey or colour; None if it is not known.
     view, caster
@@ -56,8 +56,6 @@ class PhotographedSurface:
     ) -> "PhotographedSurface":
         """Return what a camera sees of a mesh.
 
-        Pixels at the outline, which show the background too, are left out of the mask.
-
         Parameters
         ----------
         mesh
@@ -69,12 +67,14 @@ class PhotographedSurface:
         """
         camera = frame_orthographic(mesh, frame) if isinstance(frame, tuple) else frame
         view = gbuffer(mesh, camera, SUPERSAMPLING)
-        mask = binary_erosion(view.mask)
-        if not mask.any():
-            raise ArgumentError("mesh must cover more than its outline; frame it larger")
-        coloured = np.ptp(view.albedo[mask], axis=0).any()
+        coloured = np.ptp(view.albedo[view.mask], axis=0).any()
         albedo = view.albedo if coloured else None
-        return cls(view.normals, mask, albedo, view, mesh if cast_shadows else None)
+        return cls(view.normals, view.mask, albedo, view, mesh if cast_shadows else None)
+
+    @property
+    def inner(self) -> Bool[np.ndarray, "H W"]:
+        """The mask without pixels at a mesh's outline, which show the background too."""
+        return self.mask if self.view is None else self.mask & binary_erosion(self.view.mask)
 
     def within(self, mask: Bool[np.ndarray, "H W"]) -> "PhotographedSurface":
         """Return the surface where a mask is true as well."""
