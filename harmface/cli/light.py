@@ -97,6 +97,7 @@ def estimate(
     clipped = 1 - believed[surface.inner].mean()
     if clipped > MUCH_CLIPPED:
         raise FileError(f"{photo}: is clipped on {clipped:.0%} of the surface; expose it less")
+    unknown = reading.albedo_unknown(surface)
     known = None if prior is None else _learned(prior, degree, rotations)
     with errors.status("estimating"):
         basis = surface.harmonic_irradiances(degree)
@@ -109,16 +110,15 @@ def estimate(
             "prior": known,
             "non_negative": non_negative,
         }
-        if reading.albedo == "unknown":
+        if unknown:
             found, _ = estimate_light_and_albedo(image, surface.normals, **options)
         else:
             found = estimate_light(image, surface.normals, albedo, **options)
-    notes = _notes(image, found, reading, clipped)
-    if (
-        not reading.srgb
-        and reading.albedo != "unknown"
-        and _seems_encoded(image, surface, albedo, options, found)
-    ):
+    notes = _notes(found, clipped, unknown, constant=reading.albedo == "constant")
+    encoded = not (reading.srgb or unknown) and _seems_encoded(
+        image, surface, albedo, options, found
+    )
+    if encoded:
         notes.append("the photograph seems to be sRGB-encoded: try --srgb")
     summary = _summary(found, notes)
     if figure is not None:
@@ -179,9 +179,8 @@ def _seems_encoded(
     return bool(other.residual.max() < BETTER * found.residual.max())
 
 
-def _notes(
-    image: np.ndarray, found: "LightEstimate", reading: SurfaceReading, clipped: float
-) -> list[str]:
+def _notes(found: "LightEstimate", clipped: float, unknown: bool, constant: bool) -> list[str]:
+    """Return what to know of an estimate."""
     notes = []
     if clipped > 0:
         notes.append(f"{clipped:.1%} of the surface is clipped and has no vote")
@@ -197,9 +196,9 @@ def _notes(
             f"{vague.sum()} coefficients are vague: all that light could be lies within their "
             "95 % intervals"
         )
-    if reading.albedo == "unknown":
+    if unknown:
         notes.append("albedo and light share one free factor: the median albedo counts as 1")
-    elif reading.mesh is None and reading.albedo is None:
+    elif constant:
         notes.append("the albedo counts as 1 everywhere: the light is told times the true one")
     return notes
 

@@ -38,8 +38,8 @@ class SurfaceReading:
         str | None,
         typer.Option(
             metavar="mesh|constant|unknown|FILE",
-            help="Albedo: the mesh's colours (default if it has any), the same everywhere "
-            "(default otherwise), unknown, or an image or .npy of it.",
+            help="Albedo: the mesh's colours (default if it has any), unknown (default otherwise), "
+            "the same everywhere, or an image or .npy of it.",
         ),
     ] = None
     mask: Annotated[
@@ -58,6 +58,10 @@ class SurfaceReading:
     cast_shadows: Annotated[bool, typer.Option(help="Whether a mesh shadows itself.")] = True
     srgb: SrgbOption = False
     max_pixels: MaxPixelsOption = None
+
+    def albedo_unknown(self, surface: "PhotographedSurface") -> bool:
+        """Return whether the albedo is to be found with the light."""
+        return self.albedo == "unknown" or (self.albedo is None and surface.albedo is None)
 
     def files(self, photo: Path) -> list[Path]:
         """Return all files that are read."""

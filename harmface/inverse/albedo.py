@@ -13,10 +13,12 @@ References
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Integer
 
+from harmface.conventions import harmonic_count
 from harmface.errors import ArgumentError
 from harmface.inverse.conditioning import told_directions
 from harmface.inverse.estimate import estimate_light
@@ -73,16 +75,20 @@ def estimate_light_and_albedo(
     ArgumentError
         As for `estimate_light`.
     """
+    options: dict[str, Any] = {"mask": mask, "believed": believed}
     start = estimate_light(
         image,
         normals,
         degree=degree,
-        mask=mask,
-        believed=believed,
         visibility=visibility,
         prior=prior,
         non_negative=non_negative,
+        **options,
     )
+    # Albedo throws degree 2 far off, from where no small step leads back; degree 1 it does not.
+    low = min(degree, 1)
+    first = None if visibility is None else visibility[: harmonic_count(low)]
+    near = estimate_light(image, normals, degree=low, visibility=first, **options).least_norm
     grey = image.ndim == 2
     values = np.atleast_3d(np.asarray(image, np.float64)).transpose(2, 0, 1)
     inside = (normals != 0).any(axis=-1) if mask is None else mask
@@ -91,7 +97,8 @@ def estimate_light_and_albedo(
         if visibility is None
         else visibility
     )
-    lights = np.atleast_2d(start.least_norm).copy()
+    lights = np.zeros_like(np.atleast_2d(start.least_norm))
+    lights[:, : near.shape[-1]] = near
     precision = np.empty((*lights.shape, lights.shape[-1]))
     albedo = np.zeros(values.shape)
     for channel, seen in enumerate(values):

@@ -1,5 +1,7 @@
 """Claims on light from photographs."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -99,9 +101,9 @@ def odd_degrees(normals: int = 500) -> Measurement:
 def faces(heads: int = HEADS, size: int = SIZE) -> Measurement:
     """Estimate light from photographs of heads whose shape is known, under procedural surroundings.
 
-    Photographs are rendered by brute force, cast shadows included, with camera noise of a 1 %
-    level. Compared is irradiance on the visible hemisphere; where the albedo is not known one factor
-    is free.
+    Photographs are rendered by brute force, cast shadows included, with camera noise of some 1 %.
+    Compared is irradiance on the visible hemisphere; where the albedo is not known one factor is
+    free.
     """
     directions = fibonacci_directions(DIRECTIONS)
     lights = _surroundings(directions)
@@ -120,7 +122,7 @@ def faces(heads: int = HEADS, size: int = SIZE) -> Measurement:
         surface = PhotographedSurface.of_mesh(mesh, (size, size))
         assert surface.albedo is not None
         albedo, basis = luminance(surface.albedo), surface.harmonic_irradiances(2)
-        known = {"mask": surface.inner, "visibility": basis}
+        known: dict[str, Any] = {"mask": surface.inner, "visibility": basis}
         for which, image in enumerate(images):
             peak = image.max()
             seen = photograph(image[None] / peak, rng=rng, exposure=0.9, bits=12)[0] * peak / 0.9
