@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 MUCH_CLIPPED = 0.5
 """Share of the surface that may be clipped; more is refused."""
 
+SHADOWED_DEGREE = 4
+"""Degree fitted where cast shadows are known: they tell of it, see `LightEstimate.up_to`."""
+
 MAP_SUFFIXES = (".hdr", ".pfm", ".exr")
 
 BETTER = 0.8
@@ -98,12 +101,13 @@ def estimate(
     if clipped > MUCH_CLIPPED:
         raise FileError(f"{photo}: is clipped on {clipped:.0%} of the surface; expose it less")
     unknown = reading.albedo_unknown(surface)
-    known = None if prior is None else _learned(prior, degree, rotations)
+    known = None if prior is None else _learned(prior, max(degree, SHADOWED_DEGREE), rotations)
     with errors.status("estimating"):
-        basis = surface.harmonic_irradiances(degree)
+        fitted = degree if surface.caster is None else max(degree, SHADOWED_DEGREE)
+        basis = surface.harmonic_irradiances(fitted)
         albedo = _matching(surface.albedo, image)
         options: dict[str, Any] = {
-            "degree": degree,
+            "degree": fitted,
             "mask": surface.inner,
             "believed": believed,
             "visibility": basis,
@@ -111,20 +115,19 @@ def estimate(
             "non_negative": non_negative,
         }
         if unknown:
-            found, _ = estimate_light_and_albedo(image, surface.normals, **options)
+            fit, _ = estimate_light_and_albedo(image, surface.normals, **options)
         else:
-            found = estimate_light(image, surface.normals, albedo, **options)
+            fit = estimate_light(image, surface.normals, albedo, **options)
+    found = fit.up_to(degree)
     notes = _notes(found, clipped, unknown, constant=reading.albedo == "constant")
-    encoded = not (reading.srgb or unknown) and _seems_encoded(
-        image, surface, albedo, options, found
-    )
-    if encoded:
+    asked = not (reading.srgb or unknown)
+    if asked and _seems_encoded(image, surface, albedo, options, fit):
         notes.append("the photograph seems to be sRGB-encoded: try --srgb")
     summary = _summary(found, notes)
     if figure is not None:
         from harmface.viz import light_figure, write_figure
 
-        write_figure(figure, light_figure(image, found, surface.inner))
+        write_figure(figure, light_figure(image, fit, surface.inner))
     if out is not None:
         from harmface.io import atomic_write
 
@@ -195,6 +198,11 @@ def _notes(found: "LightEstimate", clipped: float, unknown: bool, constant: bool
         notes.append(
             f"{vague.sum()} coefficients are vague: all that light could be lies within their "
             "95 % intervals"
+        )
+    if found.negative:
+        notes.append(
+            "the light is more directed than one lamp could be: its shadows were left out as "
+            "shadows; --non-negative keeps it possible"
         )
     if unknown:
         notes.append("albedo and light share one free factor: the median albedo counts as 1")

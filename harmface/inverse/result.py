@@ -1,12 +1,12 @@
 """The light that a photograph tells, with what it does not tell."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from harmface.conventions import LUMINANCE, degree_order, max_degree_of
+from harmface.conventions import LUMINANCE, degree_order, harmonic_count, max_degree_of
 from harmface.inverse.conditioning import told_directions
 from harmface.inverse.least_squares import Pixels, weights_of
 from harmface.rendering import harmonic_irradiance
@@ -183,14 +183,64 @@ class LightEstimate:
     def ambient_share(self) -> float:
         """Share of even light if the rest were one lamp, `1 - |L_1| / (sqrt 3 L_0)`.
 
-        A single lamp has 0, light that is the same from opposite sides 1; of `first_degree`.
+        A single lamp has 0, and what is more directed (see `negative`); light that is the same from
+        opposite sides has 1. It is that of `first_degree`.
         """
         light = self.first_degree[0]
-        return float(1 - np.linalg.norm(light[1:4]) / (np.sqrt(3) * light[0]))
+        if light[0] <= 0:
+            return 0.0
+        return float(max(1 - np.linalg.norm(light[1:4]) / (np.sqrt(3) * light[0]), 0.0))
+
+    @property
+    def negative(self) -> bool:
+        """Whether the light is more directed than a lamp, which only negative light can be.
+
+        So it is where a lamp's own shadows were left out as shadows; `non_negative` forbids it.
+        """
+        light = self.first_degree[0]
+        return bool(np.linalg.norm(light[1:4]) > np.sqrt(3) * light[0])
+
+    def up_to(self, degree: int) -> "LightEstimate":
+        """Return the estimate without its higher degrees, which stay open.
+
+        Where cast shadows are known, higher degrees of the light are told, too. They would pass for
+        lower ones if they were not fitted: so light is best estimated to a degree or two more than
+        are wanted. Votes, fit and noise of the result are those of its own degrees.
+        """
+        count = harmonic_count(degree)
+        if count >= self.least_norm.shape[-1]:
+            return self
+        each = self.precision.reshape(-1, *self.precision.shape[-2:])
+        kept = np.empty((len(each), count, count))
+        for own, left in zip(each, kept, strict=True):
+            # The Schur complement: what is known of the lower degrees whatever the higher are.
+            mixed, high = own[:count, count:], own[count:, count:]
+            left[:] = own[:count, :count] - mixed @ np.linalg.pinv(high, hermitian=True) @ mixed.T
+        pixels = self.pixels
+        if pixels.irradiances is not None:
+            pixels = replace(pixels, irradiances=pixels.irradiances[:count])
+        return replace(
+            self,
+            least_norm=self.least_norm[..., :count],
+            precision=kept.reshape(*self.precision.shape[:-2], count, count),
+            determined=self.determined[:count],
+            pixels=replace(pixels, degree=degree),
+        )
 
     def irradiance(self, normals: Float[np.ndarray, "*pixels 3"]) -> Float[np.ndarray, "..."]:
         """Return the irradiance of normals under the light, see `rendering.harmonic_irradiance`."""
         return harmonic_irradiance(self.least_norm, normals)
+
+    def _other_direction(self) -> str:
+        """Say how far away the direction of the coefficients of degree 1 is."""
+        if self.degree < 2 or not self.determined[1:4].all():
+            return ""
+        light = np.atleast_2d(self.least_norm)
+        share = LUMINANCE if len(light) == 3 else np.ones(len(light))
+        other = (np.asarray(share) @ light)[[3, 1, 2]]
+        length = np.linalg.norm(other)
+        cosine = np.clip(other @ self.direction / length, -1, 1) if length > 0 else 1.0
+        return f"; the coefficients of degree 1 are {np.degrees(np.arccos(cosine)):.1f} degrees off"
 
     def __str__(self) -> str:
         """Return a table of the coefficients and what the photograph says of the whole."""
@@ -208,7 +258,8 @@ class LightEstimate:
             )
         x, y, z = self.direction
         lines += [
-            f"dominant direction ({x:.3f}, {y:.3f}, {z:.3f}) ± {self.direction_error:.1f} degrees",
+            f"dominant direction ({x:.3f}, {y:.3f}, {z:.3f}) ± {self.direction_error:.1f} degrees"
+            f"{self._other_direction()}",
             f"ambient share {self.ambient_share:.0%}, residual {self.residual.max():.1%}, "
             f"condition number {self.condition:.3g}",
         ]

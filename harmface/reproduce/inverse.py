@@ -140,14 +140,16 @@ def faces(heads: int = HEADS, size: int = SIZE) -> Measurement:
             off[number, which] /= coefficients[which, 0]
     medians = np.median(errors, axis=(1, 2))
     axes = (figure := Figure(figsize=(6, 3))).add_subplot()
+    constant = medians[1]
     for name, values in zip(ways, errors, strict=True):
         axes.plot(np.sort(values.ravel()), np.linspace(0, 1, values.size), label=name)
     axes.set(xlabel="mean error of irradiance / mean irradiance", ylabel="share", xlim=(0, 0.3))
     axes.legend(frameon=False)
     told = ", ".join(f"{value:.3f}" for value in np.median(off, axis=(0, 1)))
     return Measurement(
-        medians.tolist(),
-        f"{heads} heads, {len(truth)} lights, {size} x {size} pixels. Median error of the nine "
+        medians[[0, 2]].tolist(),
+        f"{heads} heads, {len(truth)} lights, {size} x {size} pixels. Taken as constant, the albedo "
+        f"of hair and lips makes an error of {constant:.1%}. Median error of the nine "
         f"coefficients over L_00, albedo known: {told}.",
         {"Error of the irradiance on the visible hemisphere.": figure},
     )
