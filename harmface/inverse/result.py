@@ -15,6 +15,9 @@ from harmface.sphere import fibonacci_directions, real_harmonics
 INTERVAL = 1.96
 """Half of a 95 % interval, in standard deviations."""
 
+FAINT = 1e-3
+"""Even light, as a share of all, below which a light counts as having that much."""
+
 
 @dataclass(frozen=True, eq=False)
 class LightEstimate:
@@ -135,28 +138,31 @@ class LightEstimate:
 
     @cached_property
     def first_degree(self) -> tuple[Float[np.ndarray, "4"], Float[np.ndarray, "4 4"]]:
-        """Luminance of the light of degree 1 that agrees best with all that is known, and errors.
+        """Luminance of the light of degrees 0 and 1 under a bound on the higher ones, and errors.
 
-        It is the even light and the one gradient that the photograph is explained by best: what
-        higher degrees explain as well, which a frontal view hardly tells from it, goes to them. So
-        it is far steadier than the first four coefficients, whose own direction it is where
-        degrees above 1 are small, or all directions are seen.
+        Light that is nowhere negative has no more than `L_00` in any higher coefficient, as a root
+        mean square over the orders of its degree; a lamp has that. So much is expected of them
+        here. It takes nothing from what is told well, and holds what is not: a frontal view hardly
+        tells degree 1 from degree 2, and what the model misses would go to their difference.
         """
-        count = min(4, self.least_norm.shape[-1])
-        light, covariance = np.zeros(4), np.full((4, 4), np.nan)
+        light, covariance = np.zeros(4), np.zeros((4, 4))
         own = self.precision.reshape(-1, *self.precision.shape[-2:])
-        right = np.einsum("ckl,cl->ck", own, np.atleast_2d(self.least_norm))[:, :count]
-        share = np.array(LUMINANCE) if len(own) == 3 else np.full(len(own), 1 / len(own))
-        kept = [told_directions(each[:count, :count])[0] for each in own]
-        inverse = np.stack(
-            [
-                k @ np.linalg.inv(k.T @ each[:count, :count] @ k) @ k.T
-                for k, each in zip(kept, own, strict=True)
-            ]
-        )
-        light[:count] = share @ np.einsum("ckl,cl->ck", inverse, right)
-        if count == 4 and all(k.shape[1] == 4 for k in kept):
-            covariance = np.tensordot(share**2, inverse, axes=1)
+        share = LUMINANCE if len(own) == 3 else np.full(len(own), 1 / len(own))
+        count = min(4, own.shape[-1])
+        for part, gram, found in zip(share, own, np.atleast_2d(self.least_norm), strict=True):
+            right = gram @ found
+            kept, _ = told_directions(gram[:count, :count])
+            low = kept @ np.linalg.solve(
+                kept.T @ gram[:count, :count] @ kept, kept.T @ right[:count]
+            )
+            bound = max(low[0], FAINT * np.linalg.norm(low))
+            full = gram + np.diag(np.where(np.arange(len(gram)) < 4, 0, bound**-2.0))
+            kept, determined = told_directions(full)
+            inverse = kept @ np.linalg.inv(kept.T @ full @ kept) @ kept.T
+            light[:count] += part * (inverse @ right)[:count]
+            covariance[:count, :count] += part**2 * inverse[:count, :count]
+            if not determined[:4].all() or count < 4:
+                covariance[:] = np.nan
         return light, covariance
 
     @property
@@ -231,17 +237,6 @@ class LightEstimate:
         """Return the irradiance of normals under the light, see `rendering.harmonic_irradiance`."""
         return harmonic_irradiance(self.least_norm, normals)
 
-    def _other_direction(self) -> str:
-        """Say how far away the direction of the coefficients of degree 1 is."""
-        if self.degree < 2 or not self.determined[1:4].all():
-            return ""
-        light = np.atleast_2d(self.least_norm)
-        share = LUMINANCE if len(light) == 3 else np.ones(len(light))
-        other = (np.asarray(share) @ light)[[3, 1, 2]]
-        length = np.linalg.norm(other)
-        cosine = np.clip(other @ self.direction / length, -1, 1) if length > 0 else 1.0
-        return f"; the coefficients of degree 1 are {np.degrees(np.arccos(cosine)):.1f} degrees off"
-
     def __str__(self) -> str:
         """Return a table of the coefficients and what the photograph says of the whole."""
         light, errors = np.atleast_2d(self.coefficients), np.atleast_2d(self.standard_errors)
@@ -258,8 +253,7 @@ class LightEstimate:
             )
         x, y, z = self.direction
         lines += [
-            f"dominant direction ({x:.3f}, {y:.3f}, {z:.3f}) ± {self.direction_error:.1f} degrees"
-            f"{self._other_direction()}",
+            f"dominant direction ({x:.3f}, {y:.3f}, {z:.3f}) ± {self.direction_error:.1f} degrees",
             f"ambient share {self.ambient_share:.0%}, residual {self.residual.max():.1%}, "
             f"condition number {self.condition:.3g}",
         ]

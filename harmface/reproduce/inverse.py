@@ -148,7 +148,7 @@ def faces(heads: int = HEADS, size: int = SIZE) -> Measurement:
     told = ", ".join(f"{value:.3f}" for value in np.median(off, axis=(0, 1)))
     return Measurement(
         medians[[0, 2]].tolist(),
-        f"{heads} heads, {len(truth)} lights, {size} x {size} pixels. Taken as constant, the albedo "
+        f"{heads} heads, {len(truth)} lights, {size} x {size} pixels. As a constant, the albedo "
         f"of hair and lips makes an error of {constant:.1%}. Median error of the nine "
         f"coefficients over L_00, albedo known: {told}.",
         {"Error of the irradiance on the visible hemisphere.": figure},
