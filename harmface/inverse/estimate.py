@@ -10,7 +10,7 @@ References
 """
 
 import numpy as np
-from jaxtyping import Bool, Float, Integer
+from jaxtyping import Bool, Float
 
 from harmface import checks
 from harmface.conventions import harmonic_count
@@ -157,8 +157,8 @@ def estimate_light(
         least_norm=light[first],
         precision=precision[first],
         determined=determined,
-        noise=np.array([each.noise for each in told])[first],
-        residual=np.array([each.residual for each in told])[first],
+        noise=np.asarray(np.array([each.noise for each in told])[first]),
+        residual=np.asarray(np.array([each.residual for each in told])[first]),
         pixels=known,
         shape=pixels,
         robust=robust,
@@ -244,7 +244,7 @@ def _irradiances(
     return visibility.reshape(count, -1).astype(np.float64, copy=False)
 
 
-def _blocks(grid: Bool[np.ndarray, "*pixels"]) -> list[Integer[np.ndarray, "n"]]:
+def _blocks(grid: Bool[np.ndarray, "*pixels"]) -> list[np.ndarray]:
     """Return the numbers of the surface's pixels in each of `BLOCKS x BLOCKS` parts of its box.
 
     Pixels that form no picture count as neighbours by their order.

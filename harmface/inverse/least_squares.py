@@ -63,7 +63,7 @@ class Pixels:
         Standard deviation of the noise, channels first or one channel for all; None if unknown.
     """
 
-    blocks: list[Integer[np.ndarray, "n"]]
+    blocks: list[np.ndarray]
     normals: Float[np.ndarray, "p 3"]
     degree: int
     irradiances: Float[np.ndarray, "K p"] | None

@@ -18,8 +18,8 @@ little but noise, and the estimate little but its error."""
 
 def relight_photograph(
     photo: Float[np.ndarray, "H W *channels"],
-    before: Float[np.ndarray, "*channels H W"],
-    after: Float[np.ndarray, "*channels H W"],
+    before: Float[np.ndarray, "..."],
+    after: Float[np.ndarray, "..."],
     mask: Bool[np.ndarray, "H W"],
     *,
     floor: float = FLOOR,
@@ -36,8 +36,8 @@ def relight_photograph(
     photo
         Linear photograph.
     before, after
-        Irradiance of every pixel in the light it was taken in and in the new one, in grey or with
-        the photograph's channels.
+        Irradiance of every pixel in the light it was taken in and in the new one, `(H, W)`, or with
+        channels first, as many as the photograph has.
     mask
         The surface; hair and background are left alone.
     floor

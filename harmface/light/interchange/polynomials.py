@@ -9,7 +9,6 @@ References
 import numpy as np
 
 from harmface.conventions import orders
-from harmface.reflectance import lambert_per_coefficient
 
 NINE = tuple(range(9))
 """The order 1, y, z, x, xy, yz, 3z2-1, xz, x2-y2."""
@@ -22,8 +21,8 @@ CONSTANTS = np.sqrt([1, 3, 3, 3, 15, 15, 5 / 4, 15, 15 / 4]) / np.sqrt(4 * np.pi
 CONDON_SHORTLEY = tuple(float((-1) ** (m % 2)) for m in orders(2))
 """The factor (-1)^m."""
 
-IRRADIANCE = lambert_per_coefficient(2)
-"""A_l of each of the nine."""
+IRRADIANCE = np.pi * np.repeat([1, 2 / 3, 1 / 4], [1, 3, 5])
+"""A_l of each of the nine, [RH01]_ eq. 8."""
 
 RADIOSITY = tuple(CONSTANTS * IRRADIANCE / np.pi)
 """Factors that leave `E / pi` as the plain sum of value times polynomial."""
