@@ -39,6 +39,9 @@ DARK = 0.02
 ROUNDS = 30
 """Most steps; some ten are taken."""
 
+FIXED = 1e-3
+"""Relative deviation that stands for a scale that is fixed."""
+
 BLOCKS = 8
 """Blocks along each side over which residuals count as one: albedo is alike in neighbours."""
 
@@ -173,7 +176,10 @@ def _fitted(
     np.add.at(sums, which[first], edge_scores.T)
     # Scores of a block add up; what is left open stays so.
     covariance = kept.T @ inverse @ (sums.T @ sums + precision) @ inverse @ kept
-    return light, kept @ np.linalg.inv(covariance) @ kept.T
+    # Their scale is no unknown: it is fixed by what the median albedo counts as.
+    mean = flat.mean(axis=1)
+    fixed = np.outer(mean, mean) / (FIXED * float(light @ mean)) ** 2
+    return light, kept @ np.linalg.inv(covariance) @ kept.T + fixed
 
 
 def _pairs(

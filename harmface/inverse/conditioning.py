@@ -86,9 +86,13 @@ def told_directions(
     Returns
     -------
     tuple
-        Orthonormal combinations as columns, and for each coefficient whether it is one of their
-        sums.
+        Orthonormal combinations as columns, and for each coefficient whether it is a sum of them.
     """
-    values, vectors = np.linalg.eigh(gram)
-    kept = vectors[:, values > NULL**2 * max(values[-1], np.finfo(np.float64).tiny)]
-    return kept, (kept**2).sum(axis=1) > 1 - NULL
+    # Coefficients are measured by what is known of each, so that a weak prior stands beside much.
+    sizes = np.sqrt(np.diagonal(gram))
+    sizes = np.where(sizes > 0, sizes, 1)
+    values, vectors = np.linalg.eigh(gram / (sizes[:, None] * sizes))
+    kept = vectors[:, values > NULL**2]
+    if kept.shape[1] == len(gram):
+        return np.eye(len(gram)), np.ones(len(gram), bool)
+    return np.linalg.qr(kept * sizes[:, None])[0], (kept**2).sum(axis=1) > 1 - NULL

@@ -175,6 +175,7 @@ def _posterior(
     for channel, each in enumerate(told):
         gram, right = each.gram, each.right
         if prior is not None:
+            precision, pull = prior.precision(1.0, degree)
             scale = _scale(gram, right, prior.mean[:count])
             for _ in range(PRIOR_ROUNDS):
                 precision, pull = prior.precision(scale, degree)
@@ -198,7 +199,7 @@ def _scale(
     return max(float(mean @ right) / max(float(mean @ gram @ mean), 1e-300), 1e-300)
 
 
-def _flat(name: str, array: np.ndarray, pixels: tuple[int, ...]) -> Float[np.ndarray, "channels p"]:
+def _flat(name: str, array: np.ndarray, pixels: tuple[int, ...]) -> np.ndarray:
     """Return an array of pixels, or of pixels and channels, or one number, with channels first."""
     array = np.asarray(array)
     if array.ndim == 0:

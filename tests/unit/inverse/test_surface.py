@@ -18,6 +18,7 @@ from harmface.inverse import (
 )
 from harmface.light import DistantLight
 from harmface.rendering import irradiance, render
+from harmface.reproduce.irradiance import SUNNY
 from harmface.reproduce.synthetic import mesh_of
 from harmface.sphere import fibonacci_directions, real_harmonics
 
@@ -46,17 +47,30 @@ def facing_error(found, light, scaled):
 
 def test_light_of_a_head_with_cast_shadows(face, rng):
     mesh, surface = face
-    light = surroundings()
-    image = render(surface.view, light, caster=mesh)
-    image = image + 0.01 * image.max() * rng.standard_normal(image.shape)
-    known = {"mask": surface.inner, "visibility": surface.harmonic_irradiances(2)}
-    found = estimate_light(image, surface.normals, luminance(surface.albedo), **known)
-    assert facing_error(found, light, scaled=False) < 0.03
-    other, albedo = estimate_light_and_albedo(image, surface.normals, **known)
-    assert facing_error(other, light, scaled=True) < 0.10
-    assert np.median(albedo[surface.inner]) == pytest.approx(1)
-    constant = estimate_light(image, surface.normals, **known)
-    assert facing_error(constant, light, scaled=True) > facing_error(other, light, scaled=True)
+    basis = surface.harmonic_irradiances(2)
+    given = {"mask": surface.inner, "visibility": basis}
+    errors = []
+    for name in ENVIRONMENTS:
+        if name in SUNNY:
+            continue
+        light = surroundings(name)
+        image = render(surface.view, light, caster=mesh)
+        image = image + 0.01 * image[surface.mask].mean() * rng.standard_normal(image.shape)
+        known = estimate_light(image, surface.normals, luminance(surface.albedo), **given)
+        unknown, albedo = estimate_light_and_albedo(image, surface.normals, **given)
+        constant = estimate_light(image, surface.normals, **given)
+        assert np.median(albedo[surface.inner & (albedo > 0)]) == pytest.approx(1)
+        errors.append(
+            [
+                facing_error(known, light, scaled=False),
+                facing_error(unknown, light, scaled=True),
+                facing_error(constant, light, scaled=True),
+            ]
+        )
+    known, unknown, constant = np.median(errors, axis=0)
+    assert known < 0.03
+    assert unknown < 0.10
+    assert unknown < constant
 
 
 def test_relit_photographs_look_as_rendered(face):
