@@ -2,16 +2,27 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.ndimage import binary_erosion
 
+from data_synth.environments import ENVIRONMENTS, rasterise
 from data_synth.faces import head
 from harmface.conventions import luminance
-from harmface.io import read_coefficients, read_image, write_image, write_ply
+from harmface.geometry import frame_orthographic, gbuffer
+from harmface.io import (
+    read_coefficients,
+    read_environment_map,
+    read_image,
+    write_environment_map,
+    write_image,
+    write_ply,
+)
 from harmface.light.interchange import TOOLS
+from harmface.rendering import box_average, render
 from harmface.reproduce.synthetic import mesh_of
 from harmface.sphere import real_harmonics
 
@@ -23,24 +34,27 @@ def mesh():
     return mesh_of(head(2, n_vertices=5000))
 
 
+@pytest.fixture(scope="module")
+def made(mesh, tmp_path_factory):
+    """A head, two procedural maps, and a photograph under one of them by brute force."""
+    folder = tmp_path_factory.mktemp("made")
+    write_ply(folder / "head.ply", mesh)
+    (folder / "env").mkdir()
+    for name in ("nave", "clear_sky"):
+        image = rasterise(ENVIRONMENTS[name](), 16).astype(np.float32)
+        write_environment_map(folder / "env" / f"{name}.hdr", image)
+    light = read_environment_map(folder / "env" / "nave.hdr").as_distant_light(300)
+    view = gbuffer(mesh, frame_orthographic(mesh, 96))
+    image = render(view, light, albedo=np.moveaxis(view.albedo, -1, 0), caster=mesh)
+    image *= 0.95 / np.percentile(image[:, view.mask], 99.5)
+    write_image(folder / "photo.png", np.moveaxis(box_average(image, 2), 0, -1))
+    return folder
+
+
 @pytest.fixture
-def photo(run, mesh, tmp_path):
-    """A photograph of a head in a procedural room, rendered by brute force."""
-    write_ply(tmp_path / "head.ply", mesh)
-    run("synth", "environments", "--size", 64, "--out", "env")
-    assert (
-        run(
-            "render",
-            "head.ply",
-            "--environment",
-            "env/nave.hdr",
-            "--size",
-            48,
-            "--out",
-            "photo.png",
-        ).code
-        == 0
-    )
+def photo(run, made, tmp_path):
+    """Those files, in the folder where commands run."""
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True)
     return "photo.png"
 
 
@@ -93,7 +107,6 @@ def test_relit_photographs_resemble_rendered_ones(run, photo):
 
 @pytest.mark.parametrize("option", [("--light", "40,20"), ("--coefficients", "l.json")])
 def test_other_new_lights(run, photo, option):
-    run("envmap", "project", "env/nave.hdr", "--json")
     run("light", photo, "--mesh", "head.ply", "--out", "l.json")
     outcome = run(
         "relight", photo, "--mesh", "head.ply", *option, "--from-light", "l.json", "--out", "r.png"
@@ -140,8 +153,6 @@ def test_encoded_photographs_are_noticed(run, photo):
 
 
 def test_landmarks_place_the_mesh(run, photo, mesh):
-    from harmface.geometry import frame_orthographic
-
     camera = frame_orthographic(mesh, 48)
     some = mesh.vertices[[5, 800, 2000, 3000, 4500]]
     scale = camera.height / 48

@@ -66,7 +66,7 @@ def trials(count, **options):
 @pytest.mark.parametrize("noise", [None, 0.02])
 @pytest.mark.usefixtures("unchecked")
 def test_the_covariance_is_that_of_the_errors(robust, noise):
-    square, covered = trials(1000, robust=robust, noise=noise)
+    square, covered = trials(300, robust=robust, noise=noise)
     assert abs(square - 1) < 0.05
     assert 0.93 < covered < 0.97
 
