@@ -15,6 +15,7 @@ _SUBPACKAGES = (
     "conventions",
     "enrollment",
     "geometry",
+    "inverse",
     "io",
     "light",
     "pca",

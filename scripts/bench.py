@@ -27,6 +27,7 @@ from data_synth.faces import head
 from data_synth.lightings import mixed, yale64
 from data_synth.shapes import bumpy_sphere, sphere
 from harmface.geometry import frame_orthographic, gbuffer
+from harmface.inverse import estimate_light
 from harmface.light import EnvironmentMap, project, published_probe
 from harmface.pca import analytic_pca, attached_shadow_pca
 from harmface.recognition import (
@@ -37,7 +38,7 @@ from harmface.recognition import (
     subject_photographs,
     subspace_distances,
 )
-from harmface.rendering import irradiance, irradiance_map, render
+from harmface.rendering import harmonic_images, irradiance, irradiance_map, render
 from harmface.reproduce.datasets import Request, make_dataset
 from harmface.reproduce.synthetic import light_of, mesh_of
 from harmface.sphere import fibonacci_directions, random_directions, real_harmonics
@@ -279,6 +280,20 @@ def sht_peers(environment: EnvironmentMap) -> dict[str, Callable[[], object] | N
     return found
 
 
+def inverse_light() -> list[tuple[str, float, str]]:
+    """Measure light from a megapixel in colour, against the bare product of basis and picture."""
+    rng = np.random.default_rng(0)
+    normals = random_directions(2**20, rng).reshape(1024, 1024, 3)
+    normals[..., 2] = np.abs(normals[..., 2])
+    basis = harmonic_images(normals, np.ones((1024, 1024)))
+    light = np.eye(1, 9) * 4 + 0.3 * rng.standard_normal((3, 9))
+    image = np.moveaxis(np.tensordot(light, basis, axes=1), 0, -1)
+    image = image + 0.02 * rng.standard_normal(image.shape)
+    flat, values = basis.reshape(9, -1), image.reshape(-1, 3)
+    ours, bare = best(lambda: estimate_light(image, normals), lambda: flat @ values)
+    return [("light, 1024^2 RGB to degree 2 / bare product", ours / bare, "at most 3")]
+
+
 def main() -> None:
     """Print a table of ratios."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -291,7 +306,16 @@ def main() -> None:
         before = {row["what"]: row["ratio"] for row in rows}
     table = Table("what / against", "ratio", "bar", *(["before", "change"] if before else []))
     kept = []
-    for measure in (harmonics, rasterization, recognition, population, components, stereo, maps):
+    for measure in (
+        harmonics,
+        rasterization,
+        recognition,
+        population,
+        components,
+        stereo,
+        maps,
+        inverse_light,
+    ):
         for what, ratio, bar in measure():
             known = bool(np.isfinite(ratio))
             kept.append({"what": what, "ratio": float(ratio) if known else None, "bar": bar})

@@ -21,8 +21,10 @@ from harmface.cli import (
     cluster,
     envmap,
     evaluate,
+    light,
     pca,
     recognition,
+    relight,
     render,
     reproduce,
     stereo,
@@ -40,8 +42,10 @@ app = typer.Typer(
 )
 app.add_typer(synth.app, name="synth")
 app.add_typer(envmap.app, name="envmap")
+app.add_typer(light.app, name="light")
 app.command("basis")(basis.basis)
 app.command("render")(render.render)
+app.command("relight")(relight.relight)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
 app.command("cluster")(cluster.cluster)

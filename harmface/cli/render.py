@@ -79,7 +79,7 @@ def render(
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)
     if light is not None:
-        directions = np.stack([_direction(text) for text in light])
+        directions = np.stack([lamp_direction(text) for text in light])
         source: EnvironmentMap | np.ndarray | DistantLight = DistantLight(
             directions, np.ones((3, len(directions)))
         )
@@ -125,7 +125,8 @@ def _brute_force(
     return image
 
 
-def _direction(text: str) -> np.ndarray:
+def lamp_direction(text: str) -> np.ndarray:
+    """Return the direction of a light given as `AZIMUTH,ELEVATION` in degrees."""
     parts = text.split(",")
     try:
         azimuth, elevation = (float(part) for part in parts)

@@ -19,8 +19,14 @@ from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
 from harmface.io.pictures import MAX_PIXELS
+from harmface.io.pixel_maps import read_albedo_map, read_normal_map
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
+from harmface.io.tool_coefficients import (
+    read_tool_coefficients,
+    tool_text,
+    write_tool_coefficients,
+)
 
 __all__ = [
     "MAX_PIXELS",
@@ -36,6 +42,7 @@ __all__ = [
     "find_photographs",
     "output_folder",
     "prepare_folder",
+    "read_albedo_map",
     "read_capture",
     "read_coefficients",
     "read_dataset",
@@ -47,10 +54,13 @@ __all__ = [
     "read_measured_directions",
     "read_measured_normals",
     "read_mesh",
+    "read_normal_map",
     "read_npz",
     "read_photographs",
     "read_probe_grid",
+    "read_tool_coefficients",
     "surface_files",
+    "tool_text",
     "write_coefficients",
     "write_environment_map",
     "write_gallery",
@@ -61,4 +71,5 @@ __all__ = [
     "write_ply",
     "write_probe_grid",
     "write_surface",
+    "write_tool_coefficients",
 ]

@@ -21,9 +21,9 @@ from jaxtyping import Bool, Float
 
 from harmface import checks
 from harmface.errors import ArgumentError
+from harmface.light.non_negative import nearest_in_cone
 from harmface.recognition.distance import Distance, Model
 from harmface.recognition.gallery import HARMONIC, PHOTOGRAPHS, RELIT, Gallery
-from harmface.recognition.non_negative import nearest_in_cone
 from harmface.recognition.probes import checked_probes
 
 DARK = 0.02

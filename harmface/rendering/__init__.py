@@ -1,5 +1,6 @@
 """Images from geometry and light: the harmonic model, and the oracle without harmonics."""
 
+from harmface.rendering.cast_shadows import shadowed_harmonic_images
 from harmface.rendering.harmonic_images import harmonic_images, outgoing_radiance, relight
 from harmface.rendering.irradiance import (
     harmonic_irradiance,
@@ -32,4 +33,5 @@ __all__ = [
     "polynomial_irradiance",
     "relight",
     "render",
+    "shadowed_harmonic_images",
 ]

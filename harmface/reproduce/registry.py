@@ -1,6 +1,6 @@
 """Which experiment measures which claim."""
 
-from harmface.reproduce import irradiance, lambert, pca, recognition, stereo, subspaces
+from harmface.reproduce import inverse, irradiance, lambert, pca, recognition, stereo, subspaces
 from harmface.reproduce.experiment import Experiment
 
 EXPERIMENTS: dict[str, Experiment] = {
@@ -25,4 +25,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "stereo-rank": stereo.rank,
     "stereo-lorentz": stereo.lorentz,
     "stereo-normals": stereo.normals,
+    "inverse-light-conditioning": inverse.conditioning,
+    "inverse-light-odd-degrees": inverse.odd_degrees,
+    "inverse-light-faces": inverse.faces,
 }

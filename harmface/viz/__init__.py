@@ -4,6 +4,7 @@ from harmface.viz.environments import environment_figure, show_linear
 from harmface.viz.evaluation import evaluation_figure
 from harmface.viz.figures import figure_bytes, write_figure
 from harmface.viz.harmonics import basis_figure
+from harmface.viz.inverse import light_figure
 from harmface.viz.modes import modes_figure, spectrum_figure
 from harmface.viz.recognition import Explanation, explanation_figure, lit_sphere
 from harmface.viz.stereo import stereo_figure
@@ -15,6 +16,7 @@ __all__ = [
     "evaluation_figure",
     "explanation_figure",
     "figure_bytes",
+    "light_figure",
     "lit_sphere",
     "modes_figure",
     "show_linear",

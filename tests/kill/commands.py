@@ -12,6 +12,9 @@ COMMANDS = {
     "synth dataset": "synth dataset --identities 2 --lightings ninepoints --size 12 --out out",
     "basis": "basis ball.ply --size 16 --out b.npz --figure b.png",
     "render": "render ball.ply --light 40,20 --size 16 --out r.png",
+    "light": "light photographs/00.png --mesh ball.ply --out l.json --figure l.png",
+    "light convert": "light convert nine.json --from harmface --to deca --out d.npy",
+    "relight": "relight photographs/00.png --mesh ball.ply --light 40,20 --out r.png",
     "enroll meshes": "enroll ball.ply --size 16 --out g.npz",
     "enroll photographs": "enroll people --method nearest --out g.npz",
     "recognize": "recognize people.npz people/a/0.png --figure why.png",
@@ -32,11 +35,17 @@ UNREPEATABLE = ("times.json",)
 def prepare(folder: Path) -> None:
     """Make the input of all commands."""
     from harmface.geometry import Mesh
-    from harmface.io import write_environment_map, write_gallery, write_ply
+    from harmface.io import (
+        write_coefficients,
+        write_environment_map,
+        write_gallery,
+        write_ply,
+    )
     from harmface.recognition import Gallery, Photographs, SubjectClassifier
 
     rng = np.random.default_rng(0)
     write_environment_map(folder / "sky.hdr", rng.random((8, 16, 3), np.float32))
+    write_coefficients(folder / "nine.json", np.eye(3, 9) + np.eye(1, 9))
     # A fan of triangles over a disc, bent to half a ball.
     angles = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     rings = [np.stack([r * np.cos(angles), r * np.sin(angles)], axis=1) for r in (0.3, 0.6, 0.9)]

@@ -3,13 +3,13 @@ import pytest
 from scipy.optimize import nnls
 
 from harmface.errors import ArgumentError
+from harmface.light.non_negative import nearest_in_cone, sampled_light
 from harmface.recognition import (
     non_negative_distances,
     non_negative_light,
     orthonormal_basis,
     subspace_distances,
 )
-from harmface.recognition.non_negative import nearest_in_cone, sampled_light
 from harmface.rendering import clamped_cosines, harmonic_images
 from harmface.sphere import random_directions
 
@@ -77,7 +77,7 @@ def test_problems_are_solved_a_few_at_a_time_without_effect(images, probes, monk
 
 
 def test_a_search_cut_short_is_still_within_the_cone(images, probes, monkeypatch):
-    monkeypatch.setattr("harmface.recognition.non_negative.MAX_STEPS", 2)
+    monkeypatch.setattr("harmface.light.non_negative.MAX_STEPS", 2)
     short = non_negative_light(probes[:1], images[:1])[0, 0]
     assert nnls(sampled_light(2).T, short)[1] < 1e-9
 

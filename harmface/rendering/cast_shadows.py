@@ -2,6 +2,7 @@
 
 References
 ----------
+.. [BJ03] Basri and Jacobs, Lambertian Reflectance and Linear Subspaces, PAMI 2003.
 .. [LHK05] Lee, Ho and Kriegman, Acquiring Linear Subspaces for Face Recognition under Variable
    Lighting, PAMI 2005.
 """
@@ -12,7 +13,7 @@ from jaxtyping import Float
 from harmface import checks
 from harmface.conventions import harmonic_count, luminance
 from harmface.geometry import GBuffer, Mesh, visible
-from harmface.rendering import clamped_cosines
+from harmface.rendering.reference import clamped_cosines
 from harmface.sphere import lebedev, real_harmonics
 
 EXACT_DEGREE = 47
@@ -23,7 +24,11 @@ CHUNK = 2**22
 
 
 def shadowed_harmonic_images(
-    view: GBuffer, caster: Mesh, degree: int = 2
+    view: GBuffer,
+    caster: Mesh,
+    degree: int = 2,
+    *,
+    albedo: Float[np.ndarray, "H W"] | None = None,
 ) -> Float[np.ndarray, "K H W"]:
     """Return `S_k = albedo sum_j w_j max(n . w_j, 0) V_j Y_k(w_j)`: harmonic images with shadows.
 
@@ -38,6 +43,8 @@ def shadowed_harmonic_images(
         The mesh that casts shadows, usually that of the view.
     degree
         Highest degree of the light.
+    albedo
+        By default the luminance of the view's.
 
     Returns
     -------
@@ -57,5 +64,6 @@ def shadowed_harmonic_images(
         cosines *= visible(caster, points, normals, directions)
         irradiance += weighted[:, some] @ cosines
     images = np.zeros((len(irradiance), *view.mask.shape))
-    images[:, view.mask] = luminance(view.albedo)[view.mask] * irradiance
+    albedo = luminance(view.albedo) if albedo is None else albedo
+    images[:, view.mask] = albedo[view.mask] * irradiance
     return images
