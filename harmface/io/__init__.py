@@ -19,7 +19,13 @@ from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
 from harmface.io.pictures import MAX_PIXELS
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
-from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
+from harmface.io.surfaces import (
+    MESH_FILES,
+    Surface,
+    read_surface,
+    surface_files,
+    write_surface,
+)
 
 __all__ = [
     "MAX_PIXELS",
@@ -28,6 +34,7 @@ __all__ = [
     "Dataset",
     "Lights",
     "Photograph",
+    "Surface",
     "atomic_write",
     "choose_gallery",
     "claim",
@@ -47,6 +54,7 @@ __all__ = [
     "read_npz",
     "read_photographs",
     "read_probe_grid",
+    "read_surface",
     "surface_files",
     "write_coefficients",
     "write_environment_map",

@@ -15,6 +15,7 @@ from harmface.rendering.reference import (
     clamped_cosines,
     irradiance,
     render,
+    vertex_irradiance,
 )
 
 __all__ = [
@@ -32,4 +33,5 @@ __all__ = [
     "polynomial_irradiance",
     "relight",
     "render",
+    "vertex_irradiance",
 ]

@@ -1,0 +1,440 @@
+// The page: what is chosen, turned and dragged, and the readout of the light.
+
+const STEP = Math.PI / 36; // an arrow key turns by 5 degrees
+const TURN = 2 * Math.PI; // a drag across the picture turns once around
+const NAMES = ["00", "1−1", "10", "11", "2−2", "2−1", "20", "21", "22"];
+const SOURCES = { normals: 0, transfer: 1, reference: 1 };
+const WAYS = { picture: 0, signed: 1, difference: 2, normals: 3, albedo: 4, colours: 5 };
+const SAMPLES = 4000; // vertices that the exposure is fitted to
+const BRIGHTEST = 0.95; // where fitting puts the brightest half percent of them
+const GROUND = [0.72, 0.72, 0.72];
+
+const scene = JSON.parse(document.getElementById("scene").textContent);
+const element = (id) => document.getElementById(id);
+
+const state = {
+  coefficients: null, // channels x K, of the light before it was turned by `light`
+  chosen: 0, // which of the lights it came from
+  edited: false, // whether a slider has moved it since
+  object: IDENTITY,
+  light: IDENTITY, // rotation since `coefficients` were set
+  mapRotation: IDENTITY, // rotation since the light was chosen
+  zoom: 1,
+  exposure: 1,
+};
+let renderer;
+let transfer = null;
+let reference = null;
+let drawn = 0; // number of the frame that is asked for, 0 if none is
+
+/** Return the light in the frame of the picture, turned as it is. */
+function turnedLight() {
+  return rotated(state.coefficients, state.light, scene.quadrature);
+}
+
+/** Return radiosity over albedo of every vertex by its transfer vector. */
+function transferred(object, light) {
+  // The vectors were made for the object at rest: the light is turned back with it.
+  const local = rotated(state.coefficients, product(transposed(object), light), scene.quadrature);
+  return byTransfer(local);
+}
+
+function byTransfer(light) {
+  const { values, scales, channels } = transfer;
+  const count = scales.length;
+  const scaled = light.map((own) => Float64Array.from(own.slice(0, count), (v, k) => v * scales[k]));
+  const found = new Float32Array(3 * renderer.count);
+  for (let i = 0; i < found.length; i += 1) {
+    const channel = i % 3;
+    const first = count * (channels === 3 ? i : (i - channel) / 3);
+    const own = scaled[channel];
+    let sum = 0;
+    for (let k = 0; k < count; k += 1) sum += own[k] * values[first + k];
+    found[i] = sum;
+  }
+  return found;
+}
+
+/** Return whether brute force is shown, which holds for one light and moves with the object. */
+function bound() {
+  return element("sources").value === "reference" || element("ways").value === "difference";
+}
+
+/** Return what the renderer needs to draw the present state. */
+function currentView() {
+  const way = element("ways").value;
+  const mapped = scene.lights[state.chosen].mapped && !state.edited;
+  return {
+    object: state.object,
+    light: state.light,
+    mapRotation: state.mapRotation,
+    matrices: state.coefficients.map((own) => irradianceMatrix(own, scene.matrices)),
+    source: SOURCES[element("sources").value],
+    shown: way in WAYS ? WAYS[way] : WAYS.colours,
+    painted: element("painted").checked,
+    exposure: state.exposure,
+    zoom: state.zoom,
+    ground: GROUND,
+    background: mapped && element("background").checked,
+    mirror: mapped && element("mirror").checked,
+  };
+}
+
+/** Give the vertices what the present view needs of them. */
+function carry() {
+  const way = element("ways").value;
+  if (way in scene.colours) {
+    renderer.carry(Float32Array.from(unpacked(scene.colours[way], Uint8Array), (v) => v / 255));
+  } else if (bound()) {
+    renderer.carry(reference);
+  } else if (element("sources").value === "transfer") {
+    renderer.carry(transferred(state.object, state.light));
+  }
+}
+
+function draw() {
+  drawn = 0;
+  carry();
+  renderer.draw(currentView());
+}
+
+/** Draw before the browser shows the page next, once however often it is asked. */
+function redraw() {
+  if (!drawn) drawn = requestAnimationFrame(draw);
+}
+
+/** Draw what every harmonic alone does to the object as it is turned. */
+function drawThumbnails() {
+  const kept = state.coefficients;
+  const side = 80;
+  const asTransfer = element("sources").value === "transfer";
+  NAMES.forEach((_, k) => {
+    state.coefficients = alone(k);
+    if (asTransfer) renderer.carry(transferred(state.object, IDENTITY));
+    const view = {
+      ...currentView(), light: IDENTITY, shown: WAYS.signed, background: false, mirror: false,
+      source: asTransfer ? 1 : 0,
+    };
+    view.exposure = fittedExposure(view);
+    renderer.draw(view, side, side);
+    const picture = element(`basis${k}`).getContext("2d");
+    const { canvas } = renderer;
+    picture.drawImage(canvas, 0, canvas.height - side, side, side, 0, 0, side, side);
+  });
+  state.coefficients = kept;
+  draw();
+}
+
+function alone(k) {
+  const count = state.coefficients[0].length;
+  return [0, 1, 2].map(() => Array.from({ length: count }, (_, j) => (j === k ? 1 : 0)));
+}
+
+/** Return the exposure at which the brightest half percent of what faces the viewer is white. */
+function fittedExposure(view) {
+  const step = Math.max(1, Math.floor(renderer.count / SAMPLES));
+  const inverse = transposed(view.light);
+  let carried = null;
+  if (view.source === 1) {
+    carried = bound() ? reference : transferred(view.object, view.light);
+  }
+  const seen = [];
+  for (let i = 0; i < renderer.count; i += step) {
+    const local = [0, 1, 2].map((axis) => renderer.normals[3 * i + axis] / 32767);
+    const [n] = product([local], transposed(view.object));
+    if (n[2] > 0) {
+      const [lit] = product([n], transposed(inverse));
+      seen.push(scene.luminance.reduce((sum, weight, channel) => {
+        const paint = view.painted ? renderer.albedo[3 * i + channel] / 65535 : 1;
+        const received = carried ? carried[3 * i + channel] : irradiance(view.matrices[channel], lit);
+        return sum + weight * paint * received;
+      }, 0));
+    }
+  }
+  const sizes = seen.map((value) => (view.shown === WAYS.signed ? Math.abs(value) : value));
+  sizes.sort((a, b) => a - b);
+  const bright = sizes[Math.floor(0.995 * (sizes.length - 1))];
+  return bright > 0 ? BRIGHTEST / bright : 1;
+}
+
+function fit() {
+  state.exposure = fittedExposure(currentView());
+  element("exposure").value = Math.log2(state.exposure);
+}
+
+function setLight(coefficients) {
+  state.coefficients = coefficients;
+  state.light = IDENTITY;
+}
+
+function choose(index) {
+  setLight(scene.lights[index].coefficients.map((own) => [...own]));
+  state.chosen = index;
+  state.edited = false;
+  state.mapRotation = IDENTITY;
+  element("lights").value = index;
+  widenSliders();
+  fit();
+  told();
+}
+
+/** Let sliders reach twice as far as the largest coefficient. */
+function widenSliders() {
+  const largest = Math.max(...state.coefficients.flatMap((own) => own.slice(0, 9).map(Math.abs)));
+  NAMES.forEach((_, k) => {
+    element(`slider${k}`).min = -2 * largest || -1;
+    element(`slider${k}`).max = 2 * largest || 1;
+  });
+}
+
+/** Return what a slider shows of the light: one channel, or the mean of them. */
+function shownValue(light, k) {
+  const channel = element("channel").value;
+  if (channel === "all") return light.reduce((sum, own) => sum + own[k], 0) / light.length;
+  return light[channel][k];
+}
+
+/** Move a coefficient of the light as it stands; with all channels their differences stay. */
+function moveCoefficient(k, value) {
+  const light = turnedLight();
+  const change = value - shownValue(light, k);
+  const channel = element("channel").value;
+  light.forEach((own, i) => {
+    if (channel === "all" || Number(channel) === i) own[k] += change;
+  });
+  setLight(light);
+  state.edited = true;
+}
+
+/** Show the light's numbers on the sliders and in the readout, and the picture. */
+function told() {
+  const light = turnedLight();
+  NAMES.forEach((_, k) => {
+    const value = shownValue(light, k);
+    element(`slider${k}`).value = value;
+    element(`value${k}`).textContent = value.toFixed(3);
+    const others = light.some((own) => own.some((other, j) => j !== k && Math.abs(other) > 1e-12));
+    element(`basis${k}`).parentNode.setAttribute("aria-pressed", String(!others && value !== 0));
+  });
+  const mapped = scene.lights[state.chosen].mapped && !state.edited;
+  document.querySelectorAll(".mapped").forEach((label) => { label.hidden = !mapped; });
+  const column = (value) => value.toFixed(4).padStart(9);
+  element("readout").textContent = [
+    "          red    green     blue",
+    ...NAMES.map((name, k) => `L${name.padEnd(3)}${light.map((own) => column(own[k])).join("")}`),
+  ].join("\n");
+  redraw();
+}
+
+function lightAsJson() {
+  return JSON.stringify({
+    coefficients: turnedLight(), object_rotation: state.object, exposure: state.exposure,
+  });
+}
+
+function lightAsGlsl() {
+  const matrices = turnedLight().map((own) => irradianceMatrix(own, scene.matrices));
+  const number = (value) => (Number.isInteger(value) ? value.toFixed(1) : value.toPrecision(9));
+  return [
+    "// E(n) = dot(n4, M * n4) with n4 = vec4(n, 1), RH01 eq. 11-12; M is symmetric.",
+    "// The unit normal n has x to the right, y up and z towards the viewer.",
+    ...["Mr", "Mg", "Mb"].map(
+      (name, i) => `const mat4 ${name} = mat4(${matrices[i].map(number).join(", ")});`,
+    ),
+    "vec3 irradiance(vec3 n) {",
+    "    vec4 n4 = vec4(n, 1.0);",
+    "    return vec3(dot(n4, Mr * n4), dot(n4, Mg * n4), dot(n4, Mb * n4));",
+    "}",
+    "",
+  ].join("\n");
+}
+
+/** Copy text; pages without the right to the clipboard select it in the readout instead. */
+async function copy(text, button) {
+  const said = button.textContent;
+  element("readout").textContent = text;
+  getSelection().selectAllChildren(element("readout"));
+  try {
+    await navigator.clipboard.writeText(text);
+    button.textContent = "copied";
+  } catch {
+    button.textContent = document.execCommand("copy") ? "copied" : "press Ctrl+C";
+  }
+  setTimeout(() => { button.textContent = said; }, 1500);
+}
+
+/** Turn the object or the light; brute force holds for both as they were, so both turn. */
+function turn(rotation, isLight) {
+  const both = bound();
+  if ((!isLight || both) && !scene.flat) state.object = orthonormal(product(rotation, state.object));
+  if (isLight || both || scene.flat) {
+    state.light = orthonormal(product(rotation, state.light));
+    state.mapRotation = orthonormal(product(rotation, state.mapRotation));
+  }
+  told();
+}
+
+function reset() {
+  state.object = IDENTITY;
+  state.zoom = 1;
+  choose(state.chosen);
+  drawThumbnails();
+}
+
+function zoomBy(factor) {
+  state.zoom = Math.min(50, Math.max(0.2, state.zoom * factor));
+  redraw();
+}
+
+/** Brute force was baked for one light and the object at rest: go there. */
+function bind() {
+  if (!bound()) return;
+  state.object = IDENTITY;
+  choose(scene.lights.findIndex((light) => light.reference));
+}
+
+function listenToPointer(canvas) {
+  const held = new Map();
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    held.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!held.has(event.pointerId)) return;
+    const [x, y] = held.get(event.pointerId);
+    const others = [...held].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+    held.set(event.pointerId, [event.clientX, event.clientY]);
+    const [dx, dy] = [event.clientX - x, event.clientY - y];
+    const size = Math.min(canvas.clientWidth, canvas.clientHeight) * held.size;
+    const isLight = event.shiftKey || held.size > 1 || element("turnsLight").checked;
+    turn(
+      product(rotationAbout(0, (TURN * dy) / size), rotationAbout(1, (TURN * dx) / size)), isLight,
+    );
+    if (others.length === 1) {
+      const [[ox, oy]] = others;
+      const before = Math.hypot(x - ox, y - oy);
+      if (before > 0) zoomBy(Math.hypot(event.clientX - ox, event.clientY - oy) / before);
+    }
+  });
+  ["pointerup", "pointercancel"].forEach((name) => canvas.addEventListener(name, (event) => {
+    if (held.delete(event.pointerId) && !held.size) drawThumbnails();
+  }));
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    zoomBy(Math.exp(-event.deltaY / 500));
+  }, { passive: false });
+}
+
+function listenToKeys(canvas) {
+  const turns = { ArrowLeft: [1, -STEP], ArrowRight: [1, STEP], ArrowUp: [0, -STEP], ArrowDown: [0, STEP] };
+  canvas.addEventListener("keydown", (event) => {
+    if (event.key in turns) {
+      turn(rotationAbout(...turns[event.key]), event.shiftKey || element("turnsLight").checked);
+      drawThumbnails();
+    } else if (event.key === "+" || event.key === "=") zoomBy(1.1);
+    else if (event.key === "-") zoomBy(1 / 1.1);
+    else if (event.key === "Home") reset();
+    else return;
+    event.preventDefault();
+  });
+}
+
+function listenToChoices() {
+  element("lights").addEventListener("change", (event) => choose(Number(event.target.value)));
+  ["sources", "ways"].forEach((id) => element(id).addEventListener("change", () => {
+    bind();
+    fit();
+    if (id === "sources") drawThumbnails();
+    redraw();
+  }));
+  ["background", "mirror"].forEach((id) => element(id).addEventListener("change", redraw));
+  element("painted").addEventListener("change", drawThumbnails);
+  element("channel").addEventListener("change", told);
+  element("exposure").addEventListener("input", (event) => {
+    state.exposure = 2 ** event.target.value;
+    redraw();
+  });
+  element("fit").addEventListener("click", () => { fit(); redraw(); });
+  element("copyJson").addEventListener("click", (event) => copy(lightAsJson(), event.target));
+  element("copyGlsl").addEventListener("click", (event) => copy(lightAsGlsl(), event.target));
+}
+
+function addOption(select, value, text) {
+  const option = document.createElement("option");
+  option.value = value;
+  option.textContent = text;
+  select.append(option);
+}
+
+function fillChoices() {
+  scene.lights.forEach(({ name }, index) => addOption(element("lights"), index, name));
+  const sources = element("sources");
+  if (transfer) addOption(sources, "transfer", "transfer vectors: shadows and bounces");
+  if (!scene.flat) addOption(sources, "normals", "E = nᵀ M n, nine coefficients");
+  if (reference) addOption(sources, "reference", "brute force, cast shadows included");
+  const ways = element("ways");
+  addOption(ways, "picture", "picture");
+  addOption(ways, "signed", "green above zero, blue below");
+  if (reference) addOption(ways, "difference", "nine coefficients less brute force");
+  if (!scene.flat) {
+    addOption(ways, "normals", "normals (n + 1) / 2");
+    addOption(ways, "albedo", "albedo");
+  }
+  Object.keys(scene.colours).forEach((name) => addOption(ways, name, name));
+}
+
+function addSliders() {
+  NAMES.forEach((name, k) => {
+    const row = document.createElement("li");
+    row.innerHTML = `<button type="button" aria-label="harmonic ${name} alone">`
+      + `<canvas id="basis${k}" width="80" height="80"></canvas></button>`
+      + `<label for="slider${k}">L<sub>${name}</sub></label>`
+      + `<input id="slider${k}" type="range" step="any"><output id="value${k}"></output>`;
+    row.querySelector("button").addEventListener("click", () => {
+      setLight(alone(k));
+      state.edited = true;
+      element("ways").value = "signed";
+      widenSliders();
+      fit();
+      told();
+    });
+    row.querySelector("input").addEventListener("input", (event) => {
+      moveCoefficient(k, Number(event.target.value));
+      told();
+    });
+    element("sliders").append(row);
+  });
+}
+
+/** Make the canvas as fine as the screen. */
+function resize() {
+  const { canvas } = renderer;
+  const fine = window.devicePixelRatio || 1;
+  canvas.width = Math.max(80, Math.round(canvas.clientWidth * fine));
+  canvas.height = Math.max(80, Math.round(canvas.clientHeight * fine));
+  drawThumbnails();
+}
+
+function start() {
+  const canvas = element("view");
+  renderer = new Renderer(canvas, scene.shaders, scene);
+  if (scene.transfer) {
+    transfer = { ...scene.transfer, values: unpacked(scene.transfer.values, Int16Array) };
+  }
+  if (scene.reference) reference = unpacked(scene.reference, Float32Array);
+  fillChoices();
+  addSliders();
+  choose(0);
+  listenToPointer(canvas);
+  listenToKeys(canvas);
+  listenToChoices();
+  new ResizeObserver(resize).observe(canvas);
+}
+
+try {
+  start();
+} catch (error) {
+  element("failure").textContent = String(error.message);
+  element("failure").hidden = false;
+  throw error;
+}
