@@ -87,12 +87,9 @@ function irradianceMatrix(coefficients, each) {
   return total;
 }
 
-/** Return E(n) = (n, 1)^T M (n, 1), RH01 eq. 11. */
-function irradiance(matrix, n) {
-  const point = [...n, 1];
-  let sum = 0;
-  for (let i = 0; i < 4; i += 1) {
-    for (let j = 0; j < 4; j += 1) sum += point[i] * matrix[4 * i + j] * point[j];
-  }
-  return sum;
+/** Return E(n) = (n, 1)^T M (n, 1), RH01 eq. 11; M is symmetric. */
+function irradiance(m, [x, y, z]) {
+  return x * (m[0] * x + 2 * (m[1] * y + m[2] * z + m[3]))
+    + y * (m[5] * y + 2 * (m[6] * z + m[7]))
+    + z * (m[10] * z + 2 * m[11]) + m[15];
 }

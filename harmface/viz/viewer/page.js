@@ -6,7 +6,10 @@ const NAMES = ["00", "1−1", "10", "11", "2−2", "2−1", "20", "21", "22"];
 const SOURCES = { normals: 0, transfer: 1, reference: 1 };
 const WAYS = { picture: 0, signed: 1, difference: 2, normals: 3, albedo: 4, colours: 5 };
 const SAMPLES = 4000; // vertices that the exposure is fitted to
+const THUMBNAIL = 80; // pixels
+const REST = 200; // milliseconds without a turn after which thumbnails are drawn anew
 const BRIGHTEST = 0.95; // where fitting puts the brightest half percent of them
+const EDITED = -1; // among the lights: one that a slider has moved
 const GROUND = [0.72, 0.72, 0.72];
 
 const scene = JSON.parse(document.getElementById("scene").textContent);
@@ -25,6 +28,8 @@ const state = {
 let renderer;
 let transfer = null;
 let reference = null;
+const thumbnailExposures = []; // of each harmonic alone, fitted once
+let soon = 0; // the timer of the thumbnails
 let drawn = 0; // number of the frame that is asked for, 0 if none is
 
 /** Return the light in the frame of the picture, turned as it is. */
@@ -95,7 +100,11 @@ function carry() {
 function draw() {
   drawn = 0;
   carry();
-  renderer.draw(currentView());
+  const view = currentView();
+  renderer.draw(view);
+  const isSigned = view.shown === WAYS.signed || view.shown === WAYS.difference;
+  element("scale").hidden = !isSigned;
+  element("scale").textContent = `Colours end at ±${(1 / view.exposure).toPrecision(3)}, in the unit of irradiance.`;
 }
 
 /** Draw before the browser shows the page next, once however often it is asked. */
@@ -103,11 +112,17 @@ function redraw() {
   if (!drawn) drawn = requestAnimationFrame(draw);
 }
 
-/** Draw what every harmonic alone does to the object as it is turned. */
+/** Draw what every harmonic alone does to the object as it is turned, when it comes to rest. */
+function drawThumbnailsSoon() {
+  clearTimeout(soon);
+  soon = setTimeout(drawThumbnails, REST);
+}
+
 function drawThumbnails() {
   const kept = state.coefficients;
-  const side = 80;
   const asTransfer = element("sources").value === "transfer";
+  const { canvas } = renderer;
+  // All are drawn side by side and then copied: the canvas is read once.
   NAMES.forEach((_, k) => {
     state.coefficients = alone(k);
     if (asTransfer) renderer.carry(transferred(state.object, IDENTITY));
@@ -115,14 +130,24 @@ function drawThumbnails() {
       ...currentView(), light: IDENTITY, shown: WAYS.signed, background: false, mirror: false,
       source: asTransfer ? 1 : 0,
     };
-    view.exposure = fittedExposure(view);
-    renderer.draw(view, side, side);
-    const picture = element(`basis${k}`).getContext("2d");
-    const { canvas } = renderer;
-    picture.drawImage(canvas, 0, canvas.height - side, side, side, 0, 0, side, side);
+    thumbnailExposures[k] ??= fittedExposure(view);
+    view.exposure = thumbnailExposures[k];
+    renderer.draw(view, THUMBNAIL, THUMBNAIL, ...cell(k));
+  });
+  NAMES.forEach((_, k) => {
+    const [left, bottom] = cell(k);
+    element(`basis${k}`).getContext("2d").drawImage(
+      canvas, left, canvas.height - bottom - THUMBNAIL, THUMBNAIL, THUMBNAIL,
+      0, 0, THUMBNAIL, THUMBNAIL,
+    );
   });
   state.coefficients = kept;
   draw();
+}
+
+/** Return where a thumbnail is drawn before it is copied, three to a row. */
+function cell(k) {
+  return [THUMBNAIL * (k % 3), THUMBNAIL * Math.floor(k / 3)];
 }
 
 function alone(k) {
@@ -133,25 +158,25 @@ function alone(k) {
 /** Return the exposure at which the brightest half percent of what faces the viewer is white. */
 function fittedExposure(view) {
   const step = Math.max(1, Math.floor(renderer.count / SAMPLES));
-  const inverse = transposed(view.light);
   let carried = null;
-  if (view.source === 1) {
-    carried = bound() ? reference : transferred(view.object, view.light);
-  }
-  const seen = [];
+  if (view.source === 1) carried = bound() ? reference : transferred(view.object, view.light);
+  // Normals are turned with the object, and then back with the light.
+  const towardsLight = product(transposed(view.light), view.object);
+  const along = (row, i) => (row[0] * renderer.normals[3 * i] + row[1] * renderer.normals[3 * i + 1]
+    + row[2] * renderer.normals[3 * i + 2]) / 32767;
+  const sizes = [];
   for (let i = 0; i < renderer.count; i += step) {
-    const local = [0, 1, 2].map((axis) => renderer.normals[3 * i + axis] / 32767);
-    const [n] = product([local], transposed(view.object));
-    if (n[2] > 0) {
-      const [lit] = product([n], transposed(inverse));
-      seen.push(scene.luminance.reduce((sum, weight, channel) => {
+    if (along(view.object[2], i) > 0) {
+      const n = towardsLight.map((row) => along(row, i));
+      let value = 0;
+      for (let channel = 0; channel < 3; channel += 1) {
         const paint = view.painted ? renderer.albedo[3 * i + channel] / 65535 : 1;
-        const received = carried ? carried[3 * i + channel] : irradiance(view.matrices[channel], lit);
-        return sum + weight * paint * received;
-      }, 0));
+        const received = carried ? carried[3 * i + channel] : irradiance(view.matrices[channel], n);
+        value += scene.luminance[channel] * paint * received;
+      }
+      sizes.push(view.shown === WAYS.signed ? Math.abs(value) : value);
     }
   }
-  const sizes = seen.map((value) => (view.shown === WAYS.signed ? Math.abs(value) : value));
   sizes.sort((a, b) => a - b);
   const bright = sizes[Math.floor(0.995 * (sizes.length - 1))];
   return bright > 0 ? BRIGHTEST / bright : 1;
@@ -172,7 +197,6 @@ function choose(index) {
   state.chosen = index;
   state.edited = false;
   state.mapRotation = IDENTITY;
-  element("lights").value = index;
   widenSliders();
   fit();
   told();
@@ -206,19 +230,26 @@ function moveCoefficient(k, value) {
   state.edited = true;
 }
 
+/** Return a number's text, zero without a sign. */
+function fixed(value, digits) {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? (0).toFixed(digits) : text;
+}
+
 /** Show the light's numbers on the sliders and in the readout, and the picture. */
 function told() {
   const light = turnedLight();
   NAMES.forEach((_, k) => {
     const value = shownValue(light, k);
     element(`slider${k}`).value = value;
-    element(`value${k}`).textContent = value.toFixed(3);
+    element(`value${k}`).textContent = fixed(value, 3);
     const others = light.some((own) => own.some((other, j) => j !== k && Math.abs(other) > 1e-12));
     element(`basis${k}`).parentNode.setAttribute("aria-pressed", String(!others && value !== 0));
   });
   const mapped = scene.lights[state.chosen].mapped && !state.edited;
   document.querySelectorAll(".mapped").forEach((label) => { label.hidden = !mapped; });
-  const column = (value) => value.toFixed(4).padStart(9);
+  element("lights").value = state.edited ? EDITED : state.chosen;
+  const column = (value) => fixed(value, 4).padStart(9);
   element("readout").textContent = [
     "          red    green     blue",
     ...NAMES.map((name, k) => `L${name.padEnd(3)}${light.map((own) => column(own[k])).join("")}`),
@@ -317,7 +348,7 @@ function listenToPointer(canvas) {
     }
   });
   ["pointerup", "pointercancel"].forEach((name) => canvas.addEventListener(name, (event) => {
-    if (held.delete(event.pointerId) && !held.size) drawThumbnails();
+    if (held.delete(event.pointerId) && !held.size) drawThumbnailsSoon();
   }));
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
@@ -330,7 +361,7 @@ function listenToKeys(canvas) {
   canvas.addEventListener("keydown", (event) => {
     if (event.key in turns) {
       turn(rotationAbout(...turns[event.key]), event.shiftKey || element("turnsLight").checked);
-      drawThumbnails();
+      drawThumbnailsSoon();
     } else if (event.key === "+" || event.key === "=") zoomBy(1.1);
     else if (event.key === "-") zoomBy(1 / 1.1);
     else if (event.key === "Home") reset();
@@ -344,11 +375,14 @@ function listenToChoices() {
   ["sources", "ways"].forEach((id) => element(id).addEventListener("change", () => {
     bind();
     fit();
-    if (id === "sources") drawThumbnails();
+    if (id === "sources") {
+      thumbnailExposures.length = 0;
+      drawThumbnailsSoon();
+    }
     redraw();
   }));
   ["background", "mirror"].forEach((id) => element(id).addEventListener("change", redraw));
-  element("painted").addEventListener("change", drawThumbnails);
+  element("painted").addEventListener("change", () => { redraw(); drawThumbnailsSoon(); });
   element("channel").addEventListener("change", told);
   element("exposure").addEventListener("input", (event) => {
     state.exposure = 2 ** event.target.value;
@@ -364,9 +398,11 @@ function addOption(select, value, text) {
   option.value = value;
   option.textContent = text;
   select.append(option);
+  return option;
 }
 
 function fillChoices() {
+  addOption(element("lights"), EDITED, "as edited below").hidden = true;
   scene.lights.forEach(({ name }, index) => addOption(element("lights"), index, name));
   const sources = element("sources");
   if (transfer) addOption(sources, "transfer", "transfer vectors: shadows and bounces");
@@ -387,7 +423,7 @@ function addSliders() {
   NAMES.forEach((name, k) => {
     const row = document.createElement("li");
     row.innerHTML = `<button type="button" aria-label="harmonic ${name} alone">`
-      + `<canvas id="basis${k}" width="80" height="80"></canvas></button>`
+      + `<canvas id="basis${k}" width="${THUMBNAIL}" height="${THUMBNAIL}"></canvas></button>`
       + `<label for="slider${k}">L<sub>${name}</sub></label>`
       + `<input id="slider${k}" type="range" step="any"><output id="value${k}"></output>`;
     row.querySelector("button").addEventListener("click", () => {
@@ -410,8 +446,8 @@ function addSliders() {
 function resize() {
   const { canvas } = renderer;
   const fine = window.devicePixelRatio || 1;
-  canvas.width = Math.max(80, Math.round(canvas.clientWidth * fine));
-  canvas.height = Math.max(80, Math.round(canvas.clientHeight * fine));
+  canvas.width = Math.max(3 * THUMBNAIL, Math.round(canvas.clientWidth * fine));
+  canvas.height = Math.max(3 * THUMBNAIL, Math.round(canvas.clientHeight * fine));
   drawThumbnails();
 }
 

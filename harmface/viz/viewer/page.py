@@ -107,8 +107,8 @@ def viewer(
     title: str = "object",
     light_name: str = "light",
     presets: Mapping[str, Float[np.ndarray, "*channels K"]] | None = None,
-    transfer: Float[np.ndarray, "*channels K V"] | None = None,
-    reference: Float[np.ndarray, "*channels V"] | None = None,
+    transfer: Float[np.ndarray, "*transferred J V"] | None = None,
+    reference: Float[np.ndarray, "*found V"] | None = None,
     colours: Mapping[str, Float[np.ndarray, "V 3"]] | None = None,
     flat: bool = False,
 ) -> Viewer:

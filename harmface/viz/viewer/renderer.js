@@ -99,10 +99,12 @@ class Renderer {
     return texture;
   }
 
-  /** Draw a view into the lower left part of the canvas, `width` by `height` pixels. */
-  draw(view, width = this.canvas.width, height = this.canvas.height) {
+  /** Draw a view into a part of the canvas, whose lower left corner is at `left`, `bottom`. */
+  draw(view, width = this.canvas.width, height = this.canvas.height, left = 0, bottom = 0) {
     const { gl } = this;
-    gl.viewport(0, 0, width, height);
+    gl.viewport(left, bottom, width, height);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(left, bottom, width, height);
     gl.clearColor(...view.ground, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.disable(gl.DEPTH_TEST);
