@@ -49,6 +49,11 @@ def decimated(mesh: Mesh, vertices: int) -> Mesh:
     small = surface.decimate(max(0.0, 1 - vertices / surface.n_points))
     if not small.n_cells:
         raise ArgumentError(f"vertices must leave something of the mesh, got {vertices}")
-    places = np.asarray(small.points, dtype=mesh.vertices.dtype)
+    places = np.array(small.points, dtype=mesh.vertices.dtype)
     nearest = cKDTree(mesh.vertices).query(places)[1]
-    return Mesh(places, small.regular_faces, mesh.normals[nearest], mesh.albedo[nearest])
+    return Mesh(
+        places,
+        np.array(small.regular_faces, dtype=np.int32),
+        mesh.normals[nearest],
+        mesh.albedo[nearest],
+    )

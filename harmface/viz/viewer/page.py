@@ -106,7 +106,7 @@ def viewer(
     *,
     title: str = "object",
     light_name: str = "light",
-    presets: Mapping[str, Float[np.ndarray, "*channels K"]] | None = None,
+    presets: Mapping[str, Float[np.ndarray, "..."]] | None = None,
     transfer: Float[np.ndarray, "*transferred J V"] | None = None,
     reference: Float[np.ndarray, "*found V"] | None = None,
     colours: Mapping[str, Float[np.ndarray, "V 3"]] | None = None,
@@ -157,7 +157,7 @@ def viewer(
     >>> from data_synth.shapes import sphere
     >>> ball = sphere(16)
     >>> viewer(Mesh(ball.vertices, ball.faces, ball.normals, ball.albedo), title="ball")
-    Viewer('ball', 256 vertices, 0.1 MB)
+    Viewer('ball', 559 vertices, 0.1 MB)
     """
     count = len(mesh.vertices)
     if flat and transfer is None:

@@ -1,5 +1,7 @@
 """What `viewer` is given of a surface from photographs, or of an enrolled subject."""
 
+from collections.abc import Mapping
+
 import matplotlib as mpl
 import numpy as np
 from jaxtyping import Float
@@ -24,7 +26,7 @@ def subject_viewer(
     light: EnvironmentMap | Float[np.ndarray, "*channels K"] | None = None,
     *,
     light_name: str = "light",
-    presets: dict[str, np.ndarray] | None = None,
+    presets: Mapping[str, Float[np.ndarray, "..."]] | None = None,
 ) -> Viewer:
     """Return a page that relights the harmonic images of an enrolled subject.
 
