@@ -61,8 +61,14 @@ class Shown:
             self.page.keyboard.press(key)
 
     def settle(self):
-        """Wait until everything asked for is drawn."""
-        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+        """Wait until nothing turns any more and everything asked for is drawn."""
+        self.page.evaluate(
+            """new Promise((done) => {
+                const look = () => (soon ? setTimeout(look, 20)
+                  : requestAnimationFrame(() => setTimeout(done)));
+                look();
+            })"""
+        )
 
     def picture(self):
         """Return the canvas as the screen shows it, values in [0, 1]."""

@@ -8,6 +8,8 @@ const WAYS = { picture: 0, signed: 1, difference: 2, normals: 3, albedo: 4, colo
 const SAMPLES = 4000; // vertices that the exposure is fitted to
 const THUMBNAIL = 80; // pixels
 const REST = 200; // milliseconds without a turn after which thumbnails are drawn anew
+const SLOW = 70; // milliseconds between frames from which on pixels are given up
+const COARSEST = 4; // screen pixels to a side of a drawn one, then
 const BRIGHTEST = 0.95; // where fitting puts the brightest half percent of them
 const EDITED = -1; // among the lights: one that a slider has moved
 const GROUND = [0.72, 0.72, 0.72];
@@ -29,7 +31,10 @@ let renderer;
 let transfer = null;
 let reference = null;
 const thumbnailExposures = []; // of each harmonic alone, fitted once
-let soon = 0; // the timer of the thumbnails
+let soon = 0; // the timer that runs while things turn
+let lastFrame = 0; // when it was drawn, while things turn
+let coarseness = 1; // screen pixels to a side of a drawn one
+let turningCoarseness = 1; // what it is while things turn
 let drawn = 0; // number of the frame that is asked for, 0 if none is
 
 /** Return the light in the frame of the picture, turned as it is. */
@@ -77,6 +82,7 @@ function currentView() {
     source: SOURCES[element("sources").value],
     shown: way in WAYS ? WAYS[way] : WAYS.colours,
     painted: element("painted").checked,
+    coarse: coarseness > 1,
     exposure: state.exposure,
     zoom: state.zoom,
     ground: GROUND,
@@ -99,6 +105,7 @@ function carry() {
 
 function draw() {
   drawn = 0;
+  keepUp();
   carry();
   const view = currentView();
   renderer.draw(view);
@@ -115,7 +122,24 @@ function redraw() {
 /** Draw what every harmonic alone does to the object as it is turned, when it comes to rest. */
 function drawThumbnailsSoon() {
   clearTimeout(soon);
-  soon = setTimeout(drawThumbnails, REST);
+  soon = setTimeout(() => {
+    soon = 0;
+    lastFrame = 0;
+    coarseness = 1;
+    setCanvasSize();
+    drawThumbnails();
+  }, REST);
+}
+
+/** While things turn, give up pixels and triangles where the machine cannot draw all in time. */
+function keepUp() {
+  const now = performance.now();
+  if (soon) {
+    if (lastFrame && now - lastFrame > SLOW) turningCoarseness = COARSEST;
+    coarseness = turningCoarseness;
+    setCanvasSize();
+  }
+  lastFrame = soon ? now : 0;
 }
 
 function drawThumbnails() {
@@ -128,7 +152,7 @@ function drawThumbnails() {
     if (asTransfer) renderer.carry(transferred(state.object, IDENTITY));
     const view = {
       ...currentView(), light: IDENTITY, shown: WAYS.signed, background: false, mirror: false,
-      source: asTransfer ? 1 : 0,
+      source: asTransfer ? 1 : 0, coarse: true,
     };
     thumbnailExposures[k] ??= fittedExposure(view);
     view.exposure = thumbnailExposures[k];
@@ -164,6 +188,7 @@ function fittedExposure(view) {
   const towardsLight = product(transposed(view.light), view.object);
   const along = (row, i) => (row[0] * renderer.normals[3 * i] + row[1] * renderer.normals[3 * i + 1]
     + row[2] * renderer.normals[3 * i + 2]) / 32767;
+  const isDifference = view.shown === WAYS.difference;
   const sizes = [];
   for (let i = 0; i < renderer.count; i += step) {
     if (along(view.object[2], i) > 0) {
@@ -171,10 +196,11 @@ function fittedExposure(view) {
       let value = 0;
       for (let channel = 0; channel < 3; channel += 1) {
         const paint = view.painted ? renderer.albedo[3 * i + channel] / 65535 : 1;
-        const received = carried ? carried[3 * i + channel] : irradiance(view.matrices[channel], n);
+        let received = carried ? carried[3 * i + channel] : irradiance(view.matrices[channel], n);
+        if (isDifference) received = irradiance(view.matrices[channel], n) - reference[3 * i + channel];
         value += scene.luminance[channel] * paint * received;
       }
-      sizes.push(view.shown === WAYS.signed ? Math.abs(value) : value);
+      sizes.push(isDifference || view.shown === WAYS.signed ? Math.abs(value) : value);
     }
   }
   sizes.sort((a, b) => a - b);
@@ -302,6 +328,7 @@ function turn(rotation, isLight) {
     state.light = orthonormal(product(rotation, state.light));
     state.mapRotation = orthonormal(product(rotation, state.mapRotation));
   }
+  drawThumbnailsSoon();
   told();
 }
 
@@ -347,9 +374,9 @@ function listenToPointer(canvas) {
       if (before > 0) zoomBy(Math.hypot(event.clientX - ox, event.clientY - oy) / before);
     }
   });
-  ["pointerup", "pointercancel"].forEach((name) => canvas.addEventListener(name, (event) => {
-    if (held.delete(event.pointerId) && !held.size) drawThumbnailsSoon();
-  }));
+  ["pointerup", "pointercancel"].forEach((name) => {
+    canvas.addEventListener(name, (event) => held.delete(event.pointerId));
+  });
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     zoomBy(Math.exp(-event.deltaY / 500));
@@ -361,7 +388,6 @@ function listenToKeys(canvas) {
   canvas.addEventListener("keydown", (event) => {
     if (event.key in turns) {
       turn(rotationAbout(...turns[event.key]), event.shiftKey || element("turnsLight").checked);
-      drawThumbnailsSoon();
     } else if (event.key === "+" || event.key === "=") zoomBy(1.1);
     else if (event.key === "-") zoomBy(1 / 1.1);
     else if (event.key === "Home") reset();
@@ -442,12 +468,23 @@ function addSliders() {
   });
 }
 
-/** Make the canvas as fine as the screen. */
-function resize() {
+/** Make the canvas as fine as the screen, or coarser while it has to keep up. */
+function setCanvasSize() {
   const { canvas } = renderer;
-  const fine = window.devicePixelRatio || 1;
-  canvas.width = Math.max(3 * THUMBNAIL, Math.round(canvas.clientWidth * fine));
-  canvas.height = Math.max(3 * THUMBNAIL, Math.round(canvas.clientHeight * fine));
+  const fine = (window.devicePixelRatio || 1) / coarseness;
+  const width = Math.max(3 * THUMBNAIL, Math.round(canvas.clientWidth * fine));
+  const height = Math.max(3 * THUMBNAIL, Math.round(canvas.clientHeight * fine));
+  // Even the same size would clear it.
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+}
+
+/** Draw in the new size, and take note if that takes long. */
+function resize() {
+  setCanvasSize();
+  const start = performance.now();
+  draw();
+  renderer.finish();
+  if (performance.now() - start > SLOW) turningCoarseness = COARSEST;
   drawThumbnails();
 }
 

@@ -60,11 +60,18 @@ class Renderer {
     this.attribute("normal", this.normals, gl.SHORT);
     this.attribute("albedo", this.albedo, gl.UNSIGNED_SHORT);
     this.carried = this.attribute("carried", new Float32Array(3 * this.count), gl.FLOAT);
-    const faces = unpacked(scene.faces, Uint32Array);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
-    this.indices = faces.length;
+    this.fine = this.triangles(scene.faces);
+    this.coarse = scene.coarseFaces ? this.triangles(scene.coarseFaces) : this.fine;
     gl.bindVertexArray(null);
+  }
+
+  triangles(text) {
+    const { gl } = this;
+    const corners = unpacked(text, Uint32Array);
+    const buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+    return { buffer, count: corners.length };
   }
 
   /** Give every vertex three numbers; whole numbers are shares of the greatest. */
@@ -120,6 +127,12 @@ class Renderer {
     }
   }
 
+  /** Wait until everything is drawn: the browser may only promise `gl.finish`. */
+  finish() {
+    const { gl } = this;
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
   drawSurface(view, aspect) {
     const { gl, scene } = this;
     const { program, at } = this.surface;
@@ -140,8 +153,10 @@ class Renderer {
     gl.uniform1f(at.exposure, view.exposure);
     gl.uniform3fv(at.signedColours, scene.signedColours.flat());
     gl.uniform3fv(at.luminance, scene.luminance);
+    const { buffer, count } = view.coarse ? this.coarse : this.fine;
     gl.bindVertexArray(this.array);
-    gl.drawElements(gl.TRIANGLES, this.indices, gl.UNSIGNED_INT, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
     gl.bindVertexArray(null);
   }
 

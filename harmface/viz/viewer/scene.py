@@ -29,6 +29,13 @@ MAX_VERTICES = 1_000_000
 MAP_ROWS = 256
 """Rows of the map in the page: 0.7 MB of text, and finer than a screen shows of a background."""
 
+COARSE_CELLS = 46
+"""Cells along the longest side of a mesh, of whose vertices one is drawn while a machine that is
+slow turns it: some 20,000 triangles, which Chromium's software renderer turns 15 times a second."""
+
+MANY_FACES = 40_000
+"""Triangles above which a page holds the coarser ones too."""
+
 LIGHT_DEGREE = 4
 """Degree of the light in the page, as far as transfer vectors go in it."""
 
@@ -72,11 +79,37 @@ def surface_arrays(mesh: Mesh) -> dict[str, Any]:
         "normals": packed(np.round(mesh.normals * 32767), "<i2"),
         "albedo": packed(np.round(mesh.albedo * 65535), "<u2"),
         "faces": packed(mesh.faces, "<u4"),
+        "coarseFaces": packed(coarse_faces(mesh), "<u4") if len(mesh.faces) > MANY_FACES else None,
         "centre": centre.tolist(),
         "extent": (high - low)[:2].tolist(),
         "radius": radius,
         "margin": FRAME_MARGIN,
     }
+
+
+def coarse_faces(mesh: Mesh) -> Integer[np.ndarray, "F 3"]:
+    """Return fewer triangles over some of a mesh's vertices: one vertex a cell of a grid.
+
+    As in Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex scenes,
+    1993, but with a vertex of the mesh in place of the mean of those in its cell.
+
+    Parameters
+    ----------
+    mesh
+        What to draw coarsely.
+
+    Returns
+    -------
+    numpy.ndarray
+        Indices of vertices.
+    """
+    low, high = mesh.bounds
+    place = (mesh.vertices - low) / (high - low).max() * COARSE_CELLS
+    cell = np.clip(place.astype(np.int64), 0, COARSE_CELLS) @ (COARSE_CELLS + 1) ** np.arange(3)
+    _, first, which = np.unique(cell, return_index=True, return_inverse=True)
+    corners = first[which][mesh.faces]
+    a, b, c = corners.T
+    return corners[(a != b) & (b != c) & (c != a)]
 
 
 def optics() -> dict[str, Any]:

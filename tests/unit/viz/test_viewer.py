@@ -13,7 +13,12 @@ from harmface.light import EnvironmentMap
 from harmface.reproduce.synthetic import mesh_of
 from harmface.viz import decimated, viewer
 from harmface.viz.viewer import scene
-from harmface.viz.viewer.scene import light_entry, map_texture, shared_exponents
+from harmface.viz.viewer.scene import (
+    coarse_faces,
+    light_entry,
+    map_texture,
+    shared_exponents,
+)
 
 
 @pytest.fixture(scope="module")
@@ -126,3 +131,24 @@ def test_decimation_keeps_the_surface(ball):
     assert decimated(ball, 5000) is ball
     with pytest.raises(ArgumentError, match="vertices must be 4 or more"):
         decimated(ball, 3)
+
+
+def test_coarse_faces_lie_on_the_surface():
+    fine = mesh_of(sphere(150))
+    assert len(fine.faces) > scene.MANY_FACES
+    faces = coarse_faces(fine)
+    assert 10_000 < len(faces) < 30_000
+    a, b, c = (fine.vertices[corner] for corner in faces.T)
+    across = np.cross(b - a, c - a)
+    areas = np.linalg.norm(across, axis=1) / 2
+    np.testing.assert_allclose(areas.sum(), 4 * np.pi, rtol=0.02)
+    outwards = np.einsum("fi,fi->f", across, a + b + c) > 0
+    assert areas[outwards].sum() > 0.995 * areas.sum()
+    text = re.search(r'id="scene">(.*?)</script>', viewer(fine).html)[1]
+    assert json.loads(text)["coarseFaces"]
+    assert (
+        json.loads(re.search(r'id="scene">(.*?)</script>', viewer(mesh_of(sphere(32))).html)[1])[
+            "coarseFaces"
+        ]
+        is None
+    )
