@@ -12,6 +12,7 @@ COMMANDS = {
     "synth dataset": "synth dataset --identities 2 --lightings ninepoints --size 12 --out out",
     "basis": "basis ball.ply --size 16 --out b.npz --figure b.png",
     "render": "render ball.ply --light 40,20 --size 16 --out r.png",
+    "view": "view ball.ply --environment sky.hdr --reference --out v.html",
     "enroll meshes": "enroll ball.ply --size 16 --out g.npz",
     "enroll photographs": "enroll people --method nearest --out g.npz",
     "recognize": "recognize people.npz people/a/0.png --figure why.png",

@@ -42,7 +42,7 @@ LAMP = (40.0, 20.0)
 FRAME_HEIGHT = 640
 """Pixels that the page takes of a notebook, from top to bottom."""
 
-_SCRIPTS = ("harmonics.js", "renderer.js", "page.js")
+_SCRIPTS = ("harmonics.js", "renderer.js", "page.js", "controls.js")
 _SHADERS = {
     "header": "fragment_header.glsl",
     "surfaceVertex": "surface.vert.glsl",
