@@ -38,3 +38,19 @@ def terminal():
     yield Path(os.ttyname(ends[1]))
     for end in ends:
         os.close(end)
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Say aloud what was not checked, where there is no browser to check it with."""
+    skipped = [
+        report
+        for report in terminalreporter.stats.get("skipped", [])
+        if "no browser" in str(report.longrepr)
+    ]
+    if skipped:
+        terminalreporter.write_line(
+            f"NOT CHECKED: {len(skipped)} tests of the viewer's page, for want of a browser: "
+            "apt-get install chromium",
+            red=True,
+            bold=True,
+        )

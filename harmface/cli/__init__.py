@@ -29,6 +29,7 @@ from harmface.cli import (
     reproduce,
     stereo,
     synth,
+    view,
 )
 from harmface.cli.common import errors, output, releasing_outputs
 from harmface.errors import HarmfaceError
@@ -46,6 +47,7 @@ app.add_typer(light.app, name="light")
 app.command("basis")(basis.basis)
 app.command("render")(render.render)
 app.command("relight")(relight.relight)
+app.command("view")(view.view)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
 app.command("cluster")(cluster.cluster)

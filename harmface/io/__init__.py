@@ -21,7 +21,13 @@ from harmface.io.photo_sets import Photograph, find_photographs, read_photograph
 from harmface.io.pictures import MAX_PIXELS
 from harmface.io.pixel_maps import read_albedo_map, read_normal_map
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
-from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
+from harmface.io.surfaces import (
+    MESH_FILES,
+    Surface,
+    read_surface,
+    surface_files,
+    write_surface,
+)
 from harmface.io.tool_coefficients import (
     read_tool_coefficients,
     tool_text,
@@ -35,6 +41,7 @@ __all__ = [
     "Dataset",
     "Lights",
     "Photograph",
+    "Surface",
     "atomic_write",
     "choose_gallery",
     "claim",
@@ -58,6 +65,7 @@ __all__ = [
     "read_npz",
     "read_photographs",
     "read_probe_grid",
+    "read_surface",
     "read_tool_coefficients",
     "surface_files",
     "tool_text",

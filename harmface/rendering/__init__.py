@@ -16,6 +16,7 @@ from harmface.rendering.reference import (
     clamped_cosines,
     irradiance,
     render,
+    vertex_irradiance,
 )
 
 __all__ = [
@@ -34,4 +35,5 @@ __all__ = [
     "relight",
     "render",
     "shadowed_harmonic_images",
+    "vertex_irradiance",
 ]

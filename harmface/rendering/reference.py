@@ -4,6 +4,7 @@ Every image that a method is scored on comes from here, so that no method is jud
 model.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -171,6 +172,52 @@ def render(
         # The lobe's pi / (2 pi): radiance is given in the same unit as radiosity.
         image[..., view.mask] += phong.share * (phong.exponent + 2) / 2 * specular
     return image
+
+
+def vertex_irradiance(
+    mesh: Mesh,
+    light: DistantLight,
+    *,
+    cast_shadows: bool = True,
+    progress: Callable[[float], None] = lambda done: None,
+) -> Float[np.ndarray, "*channels V"]:
+    """Return the irradiance of every vertex of a mesh, by rays and sums.
+
+    Parameters
+    ----------
+    mesh
+        The surface, which also casts the shadows.
+    light
+        Distant light; its leading axes lead the result.
+    cast_shadows
+        Whether the mesh shadows itself.
+    progress
+        Told the fraction done.
+
+    Returns
+    -------
+    numpy.ndarray
+        Irradiance, the light's leading axes first.
+
+    Examples
+    --------
+    A floor under a lamp straight above it receives what the lamp gives:
+
+    >>> corners = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    >>> up = np.tile([0.0, 0, 1], (4, 1))
+    >>> floor = Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]]), up, np.ones((4, 3)))
+    >>> vertex_irradiance(floor, DistantLight(up[:1], np.array([2.0])))
+    array([2., 2., 2., 2.])
+    """
+    total = np.zeros((*light.irradiances.shape[:-1], len(mesh.vertices)))
+    parts = _chunks(len(light.directions), len(mesh.vertices))
+    for number, some in enumerate(parts, 1):
+        directions = light.directions[some]
+        part = DistantLight(directions, light.irradiances[..., some])
+        reached = visible(mesh, mesh.vertices, mesh.normals, directions) if cast_shadows else None
+        total += irradiance(mesh.normals, part, reached)
+        progress(number / len(parts))
+    return total
 
 
 def box_average(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from data_synth.camera_noise import photograph
-from data_synth.environments import ENVIRONMENTS, quadrature, rasterise
+from data_synth.environments import ENVIRONMENTS, Environment, quadrature, rasterise
 from data_synth.faces import Head, head
 from data_synth.lightings import Lights
 from data_synth.shapes import SHAPES, Shape
@@ -134,12 +134,23 @@ def synthesize_environments(
         for number, (environment, name) in enumerate(names.items()):
             made = ENVIRONMENTS[environment]()
             write_environment_map(folder / name, rasterise(made, size // 2).astype(np.float32))
-            directions, solid_angles = quadrature(made)
-            radiance = made.radiance(directions).T * solid_angles
-            coefficients = radiance @ real_harmonics(directions, COEFFICIENT_DEGREE).T
-            entries.append({"file": name, "coefficients": coefficients.tolist()})
+            entries.append({"file": name, "coefficients": environment_light(made).tolist()})
             progress((number + 1) / len(names))
         write_manifest(folder, {"kind": "environments", "environments": entries})
+
+
+def environment_light(environment: Environment) -> np.ndarray:
+    """Return the exact lighting coefficients of a procedural environment to degree 4, (3, 25)."""
+    directions, solid_angles = quadrature(environment)
+    radiance = environment.radiance(directions).T * solid_angles
+    return radiance @ real_harmonics(directions, COEFFICIENT_DEGREE).T
+
+
+def procedural_lights() -> dict[str, np.ndarray]:
+    """Return the lighting coefficients of every procedural environment, by name."""
+    return {
+        name.replace("_", " "): environment_light(made()) for name, made in ENVIRONMENTS.items()
+    }
 
 
 def write_manifest(folder: Path, content: Mapping[str, Any]) -> None:

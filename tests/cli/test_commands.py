@@ -18,6 +18,7 @@ COMMANDS = [
     ("synth", "shapes"),
     ("basis",),
     ("render",),
+    ("view",),
     ("enroll",),
     ("recognize",),
     ("reproduce",),

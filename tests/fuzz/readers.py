@@ -25,6 +25,7 @@ from harmface.io import (
     read_measured_normals,
     read_mesh,
     read_probe_grid,
+    read_surface,
 )
 
 OTHER_FILE = 0.15
@@ -66,6 +67,10 @@ def _read_folder(path: Path) -> Any:
 def _read_all(path: Path) -> Any:
     found = read_dataset(path.parent)
     return [(found.lights(s), found.images(s), found.mask(s)) for s in found.subjects]
+
+
+def _read_surface(path: Path) -> Any:
+    return read_surface(path.parent)
 
 
 def _read_five_lights(path: Path) -> Any:
@@ -167,6 +172,9 @@ READERS: dict[str, Reader] = {
         (*JSON, b"'descr': '|O'", b"'<f8'"),
         containers.NPZ,
         odd=odd.gallery,
+    ),
+    "surface": Reader(
+        seeds.surface, _read_surface, (b"'descr': '|O'", b"'<f8'", b"(3, 4)", b"\xff\xff\xff\x7f")
     ),
     "probe grid": Reader(
         seeds.probe_grid,

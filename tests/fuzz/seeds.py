@@ -226,6 +226,20 @@ def gallery() -> list[Files]:
     ]
 
 
+def surface() -> list[Files]:
+    from harmface.geometry import depth_to_mesh
+    from harmface.io import write_ply
+
+    depth = 1 + np.arange(12.0).reshape(3, 4)
+    mesh = depth_to_mesh(depth, np.ones(depth.shape, bool))
+    arrays = {"normals": mesh.normals.reshape(3, 4, 3), "albedo": depth / 12, "depth": depth}
+    files = {"mesh.ply": written("mesh.ply", lambda p: write_ply(p, mesh))}
+    for name, array in {**arrays, "confidence": depth / 12}.items():
+        files[f"{name}.npy"] = written("a.npy", lambda p, array=array: np.save(p, array))
+    # Each of them comes first once, and is what is damaged.
+    return [{name: files[name], **files} for name in files]
+
+
 def probe_grid() -> list[Files]:
     from harmface.io import write_probe_grid
     from harmface.light import ProbeGrid

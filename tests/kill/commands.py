@@ -15,6 +15,7 @@ COMMANDS = {
     "light": "light photographs/00.png --mesh ball.ply --out l.json --figure l.png",
     "light convert": "light convert nine.json --from harmface --to deca --out d.npy",
     "relight": "relight photographs/00.png --mesh ball.ply --light 40,20 --out r.png",
+    "view": "view ball.ply --environment sky.hdr --reference --out v.html",
     "enroll meshes": "enroll ball.ply --size 16 --out g.npz",
     "enroll photographs": "enroll people --method nearest --out g.npz",
     "recognize": "recognize people.npz people/a/0.png --figure why.png",
