@@ -10,8 +10,7 @@ from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, OrthographicCamera, depth_to_mesh
 from harmface.light import DistantLight
-from harmface.recognition.cast_shadows import shadowed_harmonic_images
-from harmface.rendering import harmonic_images, render
+from harmface.rendering import harmonic_images, render, shadowed_harmonic_images
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,10 @@ from harmface.geometry.slopes import facing_camera
 from harmface.geometry.surface_mesh import depth_to_mesh, pixel_coordinates
 from harmface.geometry.texture import Texture, TextureImage
 from harmface.geometry.two_sided import one_side, same_places
-from harmface.geometry.visibility import visible
+from harmface.geometry.visibility import Blocked, blocked, visible
 
 __all__ = [
+    "Blocked",
     "Camera",
     "GBuffer",
     "Mesh",
@@ -32,6 +33,7 @@ __all__ = [
     "Texture",
     "TextureImage",
     "axis_rotations",
+    "blocked",
     "depth_frankot_chellappa",
     "depth_least_squares",
     "depth_to_mesh",

@@ -6,7 +6,6 @@ from harmface.recognition.answers import (
     margins,
     posteriors,
 )
-from harmface.recognition.cast_shadows import shadowed_harmonic_images
 from harmface.recognition.classifier import SubjectClassifier
 from harmface.recognition.distance import Distance
 from harmface.recognition.gallery import Gallery, Photographs
@@ -81,7 +80,6 @@ __all__ = [
     "posteriors",
     "robust_distances",
     "scaled_normals",
-    "shadowed_harmonic_images",
     "specular_images",
     "subject_highlights",
     "subject_images",

@@ -9,10 +9,9 @@ from harmface.conventions import luminance
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
 from harmface.light import DistantLight
-from harmface.recognition.cast_shadows import shadowed_harmonic_images
 from harmface.recognition.gallery import Gallery, Photographs
 from harmface.recognition.nine_points import nine_points
-from harmface.rendering import box_average, harmonic_images, render
+from harmface.rendering import box_average, harmonic_images, render, shadowed_harmonic_images
 
 SUPERSAMPLING = 2
 

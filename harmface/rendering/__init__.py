@@ -1,5 +1,6 @@
 """Images from geometry and light: the harmonic model, and the oracle without harmonics."""
 
+from harmface.rendering.cast_shadows import shadowed_harmonic_images
 from harmface.rendering.harmonic_images import harmonic_images, outgoing_radiance, relight
 from harmface.rendering.irradiance import (
     harmonic_irradiance,
@@ -9,6 +10,7 @@ from harmface.rendering.irradiance import (
     matrix_irradiance,
     polynomial_irradiance,
 )
+from harmface.rendering.precomputed_transfer import Transfer, transfer, visibility_coefficients
 from harmface.rendering.reference import (
     Phong,
     box_average,
@@ -19,6 +21,7 @@ from harmface.rendering.reference import (
 
 __all__ = [
     "Phong",
+    "Transfer",
     "box_average",
     "clamped_cosines",
     "harmonic_images",
@@ -32,4 +35,7 @@ __all__ = [
     "polynomial_irradiance",
     "relight",
     "render",
+    "shadowed_harmonic_images",
+    "transfer",
+    "visibility_coefficients",
 ]

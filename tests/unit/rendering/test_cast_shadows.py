@@ -5,8 +5,8 @@ from data_synth.shapes import ellipsoid, sphere
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
 from harmface.light import DistantLight
-from harmface.recognition import enroll, shadowed_harmonic_images, subject_photographs
-from harmface.rendering import harmonic_images, relight, render
+from harmface.recognition import enroll, subject_photographs
+from harmface.rendering import harmonic_images, relight, render, shadowed_harmonic_images
 from harmface.reproduce.synthetic import mesh_of
 from harmface.sphere import real_harmonics
 
@@ -61,7 +61,7 @@ def test_directions_are_taken_a_few_at_a_time_without_effect(monkeypatch):
     mesh = two_spheres()
     view = seen(mesh, 6)
     whole = shadowed_harmonic_images(view, mesh, 1)
-    monkeypatch.setattr("harmface.recognition.cast_shadows.CHUNK", 1000)
+    monkeypatch.setattr("harmface.rendering.precomputed_transfer.PAIRS", 5000)
     assert np.allclose(whole, shadowed_harmonic_images(view, mesh, 1))
 
 
