@@ -24,6 +24,7 @@ from harmface.cli import (
     reproduce,
     stereo,
     synth,
+    transfer,
 )
 from harmface.cli.common import releasing_outputs
 from harmface.errors import HarmfaceError
@@ -40,6 +41,7 @@ app.add_typer(synth.app, name="synth")
 app.add_typer(envmap.app, name="envmap")
 app.command("basis")(basis.basis)
 app.command("render")(render.render)
+app.command("transfer")(transfer.transfer)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
 app.command("cluster")(cluster.cluster)

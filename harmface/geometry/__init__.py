@@ -7,9 +7,10 @@ from harmface.geometry.camera import (
     frame_orthographic,
     frame_perspective,
 )
+from harmface.geometry.defects import Defects, mesh_defects
 from harmface.geometry.depth_frankot_chellappa import depth_frankot_chellappa
 from harmface.geometry.depth_least_squares import depth_least_squares
-from harmface.geometry.gbuffer import GBuffer, gbuffer
+from harmface.geometry.gbuffer import GBuffer, gbuffer, vertex_weights
 from harmface.geometry.mesh import Mesh, vertex_normals
 from harmface.geometry.orientation import (
     axis_rotations,
@@ -26,6 +27,7 @@ from harmface.geometry.visibility import Blocked, blocked, visible
 __all__ = [
     "Blocked",
     "Camera",
+    "Defects",
     "GBuffer",
     "Mesh",
     "OrthographicCamera",
@@ -42,11 +44,13 @@ __all__ = [
     "frame_orthographic",
     "frame_perspective",
     "gbuffer",
+    "mesh_defects",
     "one_side",
     "outward_share",
     "paints_a_face",
     "pixel_coordinates",
     "same_places",
     "vertex_normals",
+    "vertex_weights",
     "visible",
 ]

@@ -20,6 +20,7 @@ from harmface.io.photo_sets import Photograph, find_photographs, read_photograph
 from harmface.io.pictures import MAX_PIXELS
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
+from harmface.io.transfers import read_transfer, write_transfer
 
 __all__ = [
     "MAX_PIXELS",
@@ -47,6 +48,7 @@ __all__ = [
     "read_npz",
     "read_photographs",
     "read_probe_grid",
+    "read_transfer",
     "surface_files",
     "write_coefficients",
     "write_environment_map",
@@ -58,4 +60,5 @@ __all__ = [
     "write_ply",
     "write_probe_grid",
     "write_surface",
+    "write_transfer",
 ]

@@ -9,8 +9,8 @@ from harmface.conventions import degrees
 from harmface.errors import ArgumentError
 from harmface.sphere import (
     derivative_matrices,
-    gauss_legendre,
     gaunt_tensor,
+    gauss_legendre,
     harmonic_gradients,
     multiplication_matrix,
     product,
