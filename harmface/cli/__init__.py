@@ -18,6 +18,7 @@ from harmface.cli import (
     cluster,
     envmap,
     evaluate,
+    nearlight,
     pca,
     recognition,
     render,
@@ -42,6 +43,7 @@ app.add_typer(envmap.app, name="envmap")
 app.command("basis")(basis.basis)
 app.command("render")(render.render)
 app.command("transfer")(transfer.transfer)
+app.command("nearlight")(nearlight.nearlight)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
 app.command("cluster")(cluster.cluster)

@@ -77,13 +77,13 @@ def transfer(
     error = np.sqrt(np.mean(found.standard_errors[..., 0, :] ** 2))
     share = error / found.coefficients[..., 0, :].mean()
     output.print(
-        f"{found.coefficients.shape[-2]} coefficients of {len(surface.vertices)} vertices in {out}; "
-        f"standard error of degree 0: {share:.2%}"
+        f"{found.coefficients.shape[-2]} coefficients of {len(surface.vertices)} vertices in "
+        f"{out}; standard error of degree 0: {share:.2%}"
     )
     if number and found.back_share > MUCH_BACK:
         errors.print(
-            f"note: {found.back_share:.0%} of the rays that the surface stops end on its inner side, "
-            "which is taken as black: it has holes, or is inside out (--flip-normals)",
+            f"note: {found.back_share:.0%} of the rays that the surface stops end on its inner "
+            "side, which is taken as black: it has holes, or is inside out (--flip-normals)",
             highlight=False,
             soft_wrap=True,
         )

@@ -19,6 +19,7 @@ from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
 from harmface.io.pictures import MAX_PIXELS
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
+from harmface.io.scenes import read_scene
 from harmface.io.surfaces import MESH_FILES, surface_files, write_surface
 from harmface.io.transfers import read_transfer, write_transfer
 
@@ -48,6 +49,7 @@ __all__ = [
     "read_npz",
     "read_photographs",
     "read_probe_grid",
+    "read_scene",
     "read_transfer",
     "surface_files",
     "write_coefficients",

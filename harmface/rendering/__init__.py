@@ -18,9 +18,12 @@ from harmface.rendering.reference import (
     irradiance,
     render,
 )
+from harmface.rendering.scene import Scene, Surface, probes, ray_cast_probes, sampled_light
 
 __all__ = [
     "Phong",
+    "Scene",
+    "Surface",
     "Transfer",
     "box_average",
     "clamped_cosines",
@@ -33,8 +36,11 @@ __all__ = [
     "matrix_irradiance",
     "outgoing_radiance",
     "polynomial_irradiance",
+    "probes",
+    "ray_cast_probes",
     "relight",
     "render",
+    "sampled_light",
     "shadowed_harmonic_images",
     "transfer",
     "visibility_coefficients",
