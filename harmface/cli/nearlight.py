@@ -35,7 +35,7 @@ def nearlight(
     ] = True,
     exponent: Annotated[
         float, typer.Option(help="Of the distance, in the weights of several samples.")
-    ] = 2.0,
+    ] = 4.0,
     size: SizeOption = 256,
     figure: Annotated[
         Path | None,

@@ -15,8 +15,10 @@ from harmface import checks
 from harmface.conventions import max_degree_of
 from harmface.errors import ArgumentError
 
-EXPONENT = 2.0
-"""Of the distance, in the weights of several probes; [AKDS04]_ leaves it open."""
+EXPONENT = 4.0
+"""Of the distance, in the weights of several probes; [AKDS04]_ leaves it open. Above 3, as the
+number of probes within a distance grows with its cube: then those far away do not outweigh the
+near ones however many there are."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,15 @@
 """Which experiment measures which claim."""
 
-from harmface.reproduce import irradiance, lambert, pca, recognition, stereo, subspaces
+from harmface.reproduce import (
+    irradiance,
+    lambert,
+    near_field,
+    pca,
+    recognition,
+    stereo,
+    subspaces,
+    transfer,
+)
 from harmface.reproduce.experiment import Experiment
 
 EXPERIMENTS: dict[str, Experiment] = {
@@ -25,4 +34,10 @@ EXPERIMENTS: dict[str, Experiment] = {
     "stereo-rank": stereo.rank,
     "stereo-lorentz": stereo.lorentz,
     "stereo-normals": stereo.normals,
+    "transfer-bowl": transfer.bowl,
+    "transfer-convex": transfer.convex,
+    "near-field-gradient": near_field.gradient,
+    "near-field-gain": near_field.gain,
+    "near-field-cost": near_field.cost,
+    "near-light-energy": near_field.near_light_energy,
 }
