@@ -34,8 +34,12 @@ class _Frame:
     origin: Float[np.ndarray, "3"]
     scale: float
 
-    def point(self, values: Any) -> np.ndarray:
-        return self.origin + self.scale * np.array(values, float)
+    def point(self, values: Any) -> Float[np.ndarray, "*points 3"]:
+        """Return places of a file in the world."""
+        found = np.array(values, float)
+        if found.shape[-1:] != (3,):
+            raise ArgumentError(f"a place must have three coordinates, got shape {found.shape}")
+        return self.origin + self.scale * found
 
 
 def read_scene(path: Path | str, mesh: Mesh) -> Scene:

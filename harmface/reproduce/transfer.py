@@ -43,7 +43,7 @@ def bowl() -> Measurement:
     direct = transfer(mesh, DEGREE)
 
     def mean(values: np.ndarray) -> np.ndarray:
-        return np.average(values, axis=-1, weights=areas)
+        return np.asarray(np.average(values, axis=-1, weights=areas))
 
     found = [float(mean(direct.coefficients[0]))]
     for albedo in (0.5, 1.0):

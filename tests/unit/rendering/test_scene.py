@@ -40,7 +40,8 @@ def test_cube_maps_see_what_the_closed_forms_say(name):
                 relative(cast.gradients, exact.gradients),
             ]
         )
-    assert (np.array(errors[1]) < 0.03).all()
+    # A lamp is some 30 pixels wide, and the outermost decide the gradient.
+    assert (np.array(errors[1]) < 0.05).all()
     assert (np.array(errors[1]) < 0.5 * np.array(errors[0])).all()
 
 
