@@ -16,6 +16,7 @@ from harmface.rendering.reference import (
     box_average,
     clamped_cosines,
     irradiance,
+    reflected,
     render,
 )
 from harmface.rendering.scene import Scene, Surface, probes, ray_cast_probes, sampled_light
@@ -38,6 +39,7 @@ __all__ = [
     "polynomial_irradiance",
     "probes",
     "ray_cast_probes",
+    "reflected",
     "relight",
     "render",
     "sampled_light",

@@ -36,6 +36,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "stereo-normals": stereo.normals,
     "transfer-bowl": transfer.bowl,
     "transfer-convex": transfer.convex,
+    "transfer-subspaces": transfer.subspaces,
     "near-field-gradient": near_field.gradient,
     "near-field-gain": near_field.gain,
     "near-field-cost": near_field.cost,
