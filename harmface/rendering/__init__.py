@@ -1,6 +1,12 @@
 """Images from geometry and light: the harmonic model, and the oracle without harmonics."""
 
 from harmface.rendering.cast_shadows import shadowed_harmonic_images
+from harmface.rendering.glossy_transfer import (
+    ClusteredTransfer,
+    clustered_pca,
+    glossy_radiance,
+    glossy_transfer,
+)
 from harmface.rendering.harmonic_images import harmonic_images, outgoing_radiance, relight
 from harmface.rendering.irradiance import (
     harmonic_irradiance,
@@ -22,12 +28,16 @@ from harmface.rendering.reference import (
 from harmface.rendering.scene import Scene, Surface, probes, ray_cast_probes, sampled_light
 
 __all__ = [
+    "ClusteredTransfer",
     "Phong",
     "Scene",
     "Surface",
     "Transfer",
     "box_average",
     "clamped_cosines",
+    "clustered_pca",
+    "glossy_radiance",
+    "glossy_transfer",
     "harmonic_images",
     "harmonic_irradiance",
     "irradiance",

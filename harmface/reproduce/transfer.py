@@ -99,9 +99,7 @@ def subspaces(size: int = 48, lights: int = 200) -> Measurement:
     mixtures = np.random.default_rng(0).exponential(size=(64, lights)) ** 4
     sets = {
         "lamps": bounced[directions[:, 2] > 0],
-        "mixed": np.tensordot(
-            np.random.default_rng(0).exponential(size=(64, lights)) ** 4, bounced, 1
-        ),
+        "mixed": np.tensordot(mixtures, bounced, 1),
     }
     bases = {"harmonic": harmonic_images(view.normals, albedo, DEGREE)}
     for name, bounces in (("shadows", 0), ("bounces", 2)):
