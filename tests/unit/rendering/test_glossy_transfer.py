@@ -73,9 +73,7 @@ def test_nonsense_is_refused(unchecked):
         "at most 5 and 16, as": lambda: clustered_pca(matrices, 2, 17),
         "components must be 0": lambda: clustered_pca(matrices, 2, -1),
         "rounds must be 1": lambda: clustered_pca(matrices, 2, 1, rounds=0),
-        "to_camera must be unit": lambda: glossy_radiance(
-            np.ones((1, 4)), np.eye(3)[:1], np.ones((1, 3))
-        ),
+        "to_camera must be unit": lambda: glossy_radiance(np.ones((1, 4)), up, 2 * up),
     }.items():
         with pytest.raises(ArgumentError, match=match):
             call()

@@ -128,3 +128,16 @@ def test_nonsense_is_refused():
     }.items():
         with pytest.raises(ArgumentError, match=match):
             call()
+
+
+def test_a_surface_seen_edge_on_does_not_blow_the_gradient_up():
+    # A wall whose plane passes 1e-7 below the point, along a row of rays' own plane z = x.
+    wall = np.array([[1.0, -1, 1], [1, 1, 1], [2, 1, 2], [2, -1, 2]])
+    lamp = PolygonLight(wall, RED)
+    normal = lamp.area_vector / np.linalg.norm(lamp.area_vector)
+    near = Scene((lamp, LAMPS["sphere"]))
+    point = (1e-7 * normal)[None]
+    found = ray_cast_probes(near, point, 2, 33)
+    alone = ray_cast_probes(Scene((LAMPS["sphere"],)), point, 2, 33)
+    # Seen so flat it is no light to speak of; the sphere's gradient is about 2.
+    assert np.abs(found.gradients - alone.gradients).max() < 2
