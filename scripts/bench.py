@@ -28,7 +28,8 @@ from data_synth.lightings import mixed, yale64
 from data_synth.shapes import bumpy_sphere, sphere
 from harmface.geometry import frame_orthographic, gbuffer
 from harmface.inverse import estimate_light
-from harmface.light import EnvironmentMap, project, published_probe
+from harmface.light import EnvironmentMap, PolygonLight, project, published_probe
+from harmface.light.area_lights import EDGE_NODES
 from harmface.pca import analytic_pca, attached_shadow_pca
 from harmface.recognition import (
     enroll,
@@ -38,10 +39,15 @@ from harmface.recognition import (
     subject_photographs,
     subspace_distances,
 )
-from harmface.rendering import harmonic_images, irradiance, irradiance_map, render
+from harmface.rendering import harmonic_images, irradiance, irradiance_map, render, transfer
 from harmface.reproduce.datasets import Request, make_dataset
 from harmface.reproduce.synthetic import light_of, mesh_of
-from harmface.sphere import fibonacci_directions, random_directions, real_harmonics
+from harmface.sphere import (
+    fibonacci_directions,
+    random_directions,
+    real_harmonics,
+    stratified_directions,
+)
 from harmface.stereo import factorize, photometric_stereo
 
 REPEATS = 7
@@ -213,6 +219,50 @@ def residual(stack: np.ndarray, left: np.ndarray, right: np.ndarray) -> float:
     return float(np.sqrt(sum(np.sum((row - factor @ right) ** 2) for row, factor in rows)))
 
 
+def precomputed() -> list[tuple[str, float, str]]:
+    """Measure transfer against the bare rays it needs, and polygon lights against harmonics."""
+    mesh = mesh_of(bumpy_sphere(142))
+    directions = stratified_directions(512, 0).reshape(-1, 3).astype(np.float32)
+    some = np.arange(0, len(mesh.vertices), 20)
+    direction, point = np.nonzero(directions @ mesh.normals[some].astype(np.float32).T > 0)
+    off = mesh.vertices[some] + 1e-4 * mesh.rays.radius * mesh.normals[some]
+    starts, rays = mesh.rays.local(off)[point], directions[direction]
+
+    def bare() -> None:
+        for _ in range(20):
+            mesh.rays.occluded(starts, rays)
+
+    ours, theirs = best(lambda: transfer(mesh, 4, samples=1024), bare)
+    rng = np.random.default_rng(0)
+    corners = rng.uniform(-1, 1, (50, 4, 3)) * [1, 1, 0] + [0, 0, 3]
+    lamps = [PolygonLight(each[:3], np.ones(1)) for each in corners]
+    # Those that would shine away from the points are turned round.
+    lamps = [
+        PolygonLight(lamp.vertices[:: int(-np.sign(lamp.area_vector[2]))], lamp.radiance)
+        for lamp in lamps
+    ]
+    points = rng.uniform(-1, 1, (1000, 3))
+    nodes = random_directions(3 * EDGE_NODES * len(points), 0)
+    all_lamps, harmonics_alone = best(
+        lambda: [lamp.probes(points, 2) for lamp in lamps],
+        lambda: [real_harmonics(nodes, 2) for _ in lamps],
+    )
+    megabytes = peak(lambda: transfer(mesh, 4, samples=1024)) / 2**20
+    return [
+        (
+            f"transfer, {len(mesh.vertices)} vertices, 1024 directions / Embree",
+            ours / theirs,
+            "at most 1.5",
+        ),
+        ("MB of the same, 8 of them the result", megabytes, "bounded by a block"),
+        (
+            "polygon lights with gradients / harmonics of their nodes",
+            all_lamps / harmonics_alone,
+            "at most 30",
+        ),
+    ]
+
+
 def maps() -> list[tuple[str, float, str]]:
     """Measure projection of maps against one sum over the pixels, and against peers."""
     rng = np.random.default_rng(0)
@@ -313,6 +363,7 @@ def main() -> None:
         population,
         components,
         stereo,
+        precomputed,
         maps,
         inverse_light,
     ):

@@ -22,6 +22,7 @@ from harmface.cli import (
     envmap,
     evaluate,
     light,
+    nearlight,
     pca,
     recognition,
     relight,
@@ -29,6 +30,7 @@ from harmface.cli import (
     reproduce,
     stereo,
     synth,
+    transfer,
     view,
 )
 from harmface.cli.common import errors, output, releasing_outputs
@@ -48,6 +50,8 @@ app.command("basis")(basis.basis)
 app.command("render")(render.render)
 app.command("relight")(relight.relight)
 app.command("view")(view.view)
+app.command("transfer")(transfer.transfer)
+app.command("nearlight")(nearlight.nearlight)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
 app.command("cluster")(cluster.cluster)

@@ -45,6 +45,14 @@ def render(
             "eucalyptus, st-peters, which render through harmonics, without cast shadows.",
         ),
     ] = None,
+    transfer: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="What `harmface transfer` made of the mesh: shadows and reflections on itself "
+            "under the harmonics of the light, in place of brute force.",
+        ),
+    ] = None,
     cast_shadows: Annotated[bool, typer.Option(help="Whether the mesh shadows itself.")] = True,
     size: SizeOption = 256,
     exposure: Annotated[
@@ -66,6 +74,7 @@ def render(
 
     The file says how it is encoded, and all commands believe it; outside the mesh a PNG file is
     transparent.
+    With --transfer, light is taken to the transfer's degree and reflected as often as it says.
 
     Example: harmface render head.ply --light 40,20 --size 64 --out probe.png
     """
@@ -74,7 +83,7 @@ def render(
 
     if (light is None) == (environment is None):
         raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
-    claim_outputs(out, inputs=[*mesh_reading.files(mesh), *filter(None, [environment])])
+    claim_outputs(out, inputs=[*mesh_reading.files(mesh), *filter(None, [environment, transfer])])
     surface = mesh_reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)
@@ -86,7 +95,9 @@ def render(
     else:
         assert environment is not None
         source = reading.load_light(environment)
-    if isinstance(source, np.ndarray):
+    if transfer is not None:
+        image = albedo * _by_transfer(transfer, surface, view, source)
+    elif isinstance(source, np.ndarray):
         image = np.zeros(albedo.shape)
         received = harmonic_irradiance(source, view.normals[view.mask])
         image[:, view.mask] = albedo[:, view.mask] * np.maximum(received, 0)
@@ -123,6 +134,31 @@ def _brute_force(
         image += render_part(view, part, albedo=albedo, caster=caster)
         report(min(first + PART, count) / count)
     return image
+
+
+def _by_transfer(
+    path: Path, mesh: Mesh, view: GBuffer, source: EnvironmentMap | np.ndarray | DistantLight
+) -> np.ndarray:
+    """Return irradiance, channels first, from the transfer in a file."""
+    from harmface.conventions import max_degree_of
+    from harmface.geometry import vertex_weights
+    from harmface.io import read_transfer
+    from harmface.light import directional_lights, project
+
+    found = read_transfer(path, mesh).coefficients
+    degree = max_degree_of(found.shape[-2])
+    if isinstance(source, EnvironmentMap):
+        light = project(source, degree)
+    elif isinstance(source, DistantLight):
+        light = directional_lights(source, degree)
+    else:
+        light = source
+    count = min(light.shape[-1], found.shape[-2])
+    received = (light[..., None, :count] @ found[..., :count, :])[..., 0, :]
+    weights = vertex_weights(mesh, view.camera)
+    # Where the series of a sharp light falls below zero there is none.
+    image = np.maximum(weights @ received.T, 0).T
+    return image.reshape(-1, *view.mask.shape)
 
 
 def lamp_direction(text: str) -> np.ndarray:

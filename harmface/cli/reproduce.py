@@ -50,7 +50,7 @@ def reproduce(
     if more and not only:
         raise ArgumentError(f"unexpected argument {more[0]!r}; name claims after --only")
     with errors.status("") as status:
-        wanted = [*(only or []), *(more or [])]
+        wanted = [name for text in [*(only or []), *(more or [])] for name in text.split(",")]
         results = run(out, wanted, environments or (), lambda name: status.update(name), jobs=jobs)
     if as_json:
         typer.echo((out / "results.json").read_text(), nl=False)

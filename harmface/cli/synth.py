@@ -77,6 +77,23 @@ def environments(
 
 
 @app.command()
+def scene(
+    out: Annotated[Path, typer.Option(help="TOML file to write.")],
+) -> None:
+    """Write a scene of three coloured lamps near an object of any size, to be edited.
+
+    Example: harmface synth scene --out scene.toml
+    """
+    from data_synth.scenes import THREE_LAMPS
+    from harmface.io import atomic_write
+
+    claim_outputs(out)
+    with atomic_write(out) as file:
+        file.write(THREE_LAMPS.encode())
+    output.print(f"three lamps in {out}")
+
+
+@app.command()
 def dataset(
     out: Annotated[Path, typer.Option(help="Folder to make, or to finish.")],
     identities: Annotated[int, typer.Option(help="Number of subjects.")] = 100,

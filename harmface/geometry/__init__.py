@@ -7,9 +7,10 @@ from harmface.geometry.camera import (
     frame_orthographic,
     frame_perspective,
 )
+from harmface.geometry.defects import Defects, mesh_defects
 from harmface.geometry.depth_frankot_chellappa import depth_frankot_chellappa
 from harmface.geometry.depth_least_squares import depth_least_squares
-from harmface.geometry.gbuffer import GBuffer, gbuffer
+from harmface.geometry.gbuffer import GBuffer, gbuffer, vertex_weights
 from harmface.geometry.mesh import Mesh, vertex_normals
 from harmface.geometry.orientation import (
     axis_rotations,
@@ -21,10 +22,12 @@ from harmface.geometry.slopes import facing_camera
 from harmface.geometry.surface_mesh import depth_to_mesh, pixel_coordinates
 from harmface.geometry.texture import Texture, TextureImage
 from harmface.geometry.two_sided import one_side, same_places
-from harmface.geometry.visibility import visible
+from harmface.geometry.visibility import Blocked, blocked, visible
 
 __all__ = [
+    "Blocked",
     "Camera",
+    "Defects",
     "GBuffer",
     "Mesh",
     "OrthographicCamera",
@@ -32,6 +35,7 @@ __all__ = [
     "Texture",
     "TextureImage",
     "axis_rotations",
+    "blocked",
     "depth_frankot_chellappa",
     "depth_least_squares",
     "depth_to_mesh",
@@ -40,11 +44,13 @@ __all__ = [
     "frame_orthographic",
     "frame_perspective",
     "gbuffer",
+    "mesh_defects",
     "one_side",
     "outward_share",
     "paints_a_face",
     "pixel_coordinates",
     "same_places",
     "vertex_normals",
+    "vertex_weights",
     "visible",
 ]

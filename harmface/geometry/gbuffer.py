@@ -72,26 +72,8 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
     """
     n = checks.positive_integer("supersampling", supersampling)
     rows, columns = camera.shape
-    if rows * columns * n * n > MAX_SAMPLES:
-        raise ArgumentError(
-            f"shape {camera.shape} with supersampling {n} takes {rows * columns * n * n} rays, "
-            f"more than {MAX_SAMPLES}; ask for a smaller picture"
-        )
-    origins, directions = camera.rays(n)
-    hits = mesh.rays.first_hits(mesh.rays.local(origins), directions)
-    hit = hits.face >= 0
-    if not hit.any():
-        raise ArgumentError("camera must see the mesh, but no ray meets it; use a framing helper")
-    u, v = hits.u[hit].astype(np.float64), hits.v[hit].astype(np.float64)
-    weights = np.stack([1 - u - v, u, v], axis=1)
-    # The samples of a pixel follow one another, so a sparse matrix with a row a pixel both
-    # interpolates between the vertices and sums over the samples, in one pass.
-    samples = hit.reshape(rows * columns, n * n).sum(axis=1)
-    starts = np.concatenate([[0], np.cumsum(samples)])
-    interpolate = csr_array(
-        (weights.reshape(-1), mesh.faces[hits.face[hit]].reshape(-1), 3 * starts),
-        shape=(rows * columns, len(mesh.vertices)),
-    )
+    hit, face, weights = _cast(mesh, camera, n)
+    interpolate, samples, starts = _interpolation(mesh, camera, n, hit, face, weights)
     normals = interpolate @ mesh.normals.astype(np.float64, copy=False)
     mask = samples * 2 >= n * n
     length = np.sqrt(np.einsum("pi,pi->p", normals, normals))
@@ -103,7 +85,7 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
     if mesh.texture is None:
         albedo = interpolate @ mesh.albedo.astype(np.float64, copy=False)
     else:
-        each = _looked_up(mesh, mesh.texture, hits.face[hit], weights, camera, n)
+        each = _looked_up(mesh, mesh.texture, face, weights, camera, n)
         ones = np.ones(len(each))
         albedo = csr_array((ones, np.arange(len(each)), starts)) @ each
     # Rounding of the weights can carry a mean past the ends of the range.
@@ -118,6 +100,72 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
         mask.reshape(image),
         camera,
     )
+
+
+def vertex_weights(mesh: Mesh, camera: Camera) -> csr_array:
+    """Return the matrix that interpolates values of vertices at the centres of all pixels.
+
+    Parameters
+    ----------
+    mesh
+        The surface.
+    camera
+        The view.
+
+    Returns
+    -------
+    scipy.sparse.csr_array
+        A row of three weights for each pixel, `(H W, V)`, none in the background: times values
+        `(V, ...)` it gives what `gbuffer` without supersampling sees of them.
+
+    Raises
+    ------
+    ArgumentError
+        If no ray meets the mesh, or the picture is larger than memory.
+    """
+    return _interpolation(mesh, camera, 1, *_cast(mesh, camera, 1))[0]
+
+
+def _cast(
+    mesh: Mesh, camera: Camera, n: int
+) -> tuple[Bool[np.ndarray, "S"], Integer[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
+    """Return which samples hit the mesh, and of these the face and the weights of its vertices."""
+    rows, columns = camera.shape
+    if rows * columns * n * n > MAX_SAMPLES:
+        raise ArgumentError(
+            f"shape {camera.shape} with supersampling {n} takes {rows * columns * n * n} rays, "
+            f"more than {MAX_SAMPLES}; ask for a smaller picture"
+        )
+    origins, directions = camera.rays(n)
+    hits = mesh.rays.first_hits(mesh.rays.local(origins), directions)
+    hit = hits.face >= 0
+    if not hit.any():
+        raise ArgumentError("camera must see the mesh, but no ray meets it; use a framing helper")
+    u, v = hits.u[hit].astype(np.float64), hits.v[hit].astype(np.float64)
+    return hit, hits.face[hit], np.stack([1 - u - v, u, v], axis=1)
+
+
+def _interpolation(
+    mesh: Mesh,
+    camera: Camera,
+    n: int,
+    hit: Bool[np.ndarray, "S"],
+    face: Integer[np.ndarray, "N"],
+    weights: Float[np.ndarray, "N 3"],
+) -> tuple[csr_array, Integer[np.ndarray, "P"], Integer[np.ndarray, "P1"]]:
+    """Return the matrix from vertices to sums over pixels, and the samples of each and their start.
+
+    The samples of a pixel follow one another, so a sparse matrix with a row a pixel both
+    interpolates between the vertices and sums over the samples, in one pass.
+    """
+    rows, columns = camera.shape
+    samples = hit.reshape(rows * columns, n * n).sum(axis=1)
+    starts = np.concatenate([[0], np.cumsum(samples)])
+    interpolate = csr_array(
+        (weights.reshape(-1), mesh.faces[face].reshape(-1), 3 * starts),
+        shape=(rows * columns, len(mesh.vertices)),
+    )
+    return interpolate, samples, starts
 
 
 def _looked_up(

@@ -87,6 +87,14 @@ class Mesh:
         """The mesh made ready for ray casting, built on first use."""
         return RayCaster(self.vertices, self.faces)
 
+    @cached_property
+    def face_normals(self) -> Float[np.ndarray, "F 3"]:
+        """Unit normals of the faces, whatever those of their vertices; zero without an area."""
+        corners = self.vertices[self.faces].astype(np.float64, copy=False)
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+        return np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+
     @property
     def bounds(self) -> Float[np.ndarray, "2 3"]:
         """Least and greatest coordinates of the vertices that faces use."""

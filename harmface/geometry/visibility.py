@@ -1,15 +1,19 @@
 """Which directions see the sky from points on a surface: cast shadows."""
 
+from dataclasses import dataclass
+
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Integer
 
 from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.geometry.mesh import Mesh
 
-OFFSET = 1e-3
-"""How far rays start off the surface, as a fraction of the mesh's radius: beyond the single
-precision of Embree, and below any relief that a shadow could be told by."""
+OFFSET = 1e-4
+"""How far rays start off the surface, as a fraction of the mesh's radius: well beyond the single
+precision of Embree. On a smooth surface of 8,000 vertices, where normals between the vertices are
+not those of the facets, no point then hides more than a part in 20,000 of its own sky; ten times
+nearer it is a part in 2,000."""
 
 CHUNK = 2**20
 """Rays cast at a time: 40 MB of arrays."""
@@ -52,13 +56,83 @@ def visible(
     directions = checks.unit_vectors("directions", directions)
     if points.shape != normals.shape:
         raise ArgumentError(f"normals must match points {points.shape}, got {normals.shape}")
-    starts = mesh.rays.local(points + OFFSET * mesh.rays.radius * normals)
+    starts = _starts(mesh, points, normals)
     directions = directions.astype(np.float32)
-    normals = normals.astype(np.float32)
     lit = np.zeros((len(directions), len(points)), dtype=bool)
-    step = max(1, CHUNK // max(1, len(points)))
-    for first in range(0, len(directions), step):
-        some = directions[first : first + step]
-        j, i = np.nonzero(some @ normals.T > 0)
-        lit[first + j, i] = ~mesh.rays.occluded(starts[i], some[j])
+    for some in _some_of(len(directions), len(points)):
+        j, i = _before(normals, directions[some])
+        j += some.start
+        lit[j, i] = ~mesh.rays.occluded(starts[i], directions[j])
     return lit
+
+
+@dataclass(frozen=True, eq=False)
+class Blocked:
+    """Which surface stands before points in which directions; each array has one entry a pair.
+
+    Parameters
+    ----------
+    direction, point
+        Indices of the direction and the point.
+    face
+        Index of the face that is met first.
+    weights
+        Barycentric weights of that face's three vertices.
+    front
+        Whether the face is met on its outer side.
+    """
+
+    direction: Integer[np.ndarray, "P"]
+    point: Integer[np.ndarray, "P"]
+    face: Integer[np.ndarray, "P"]
+    weights: Float[np.ndarray, "P 3"]
+    front: Bool[np.ndarray, "P"]
+
+
+def blocked(
+    mesh: Mesh,
+    points: Float[np.ndarray, "N 3"],
+    normals: Float[np.ndarray, "N 3"],
+    directions: Float[np.ndarray, "J 3"],
+) -> Blocked:
+    """Return what stands in the way of light that `visible` finds to be in a cast shadow.
+
+    Parameters
+    ----------
+    mesh
+        What casts the shadows.
+    points
+        Points on the mesh, in its coordinates.
+    normals
+        Unit normals there.
+    directions
+        Unit directions to the light, not so many that all pairs would fill the memory.
+    """
+    starts = _starts(mesh, points, normals)
+    directions = directions.astype(np.float32)
+    j, i = _before(normals, directions)
+    hits = mesh.rays.first_hits(starts[i], directions[j])
+    met = hits.face >= 0
+    j, i, face, u, v = j[met], i[met], hits.face[met], hits.u[met], hits.v[met]
+    front = np.einsum("pi,pi->p", mesh.face_normals[face], directions[j]) < 0
+    return Blocked(j, i, face, np.stack([1 - u - v, u, v], axis=1), front)
+
+
+def _starts(
+    mesh: Mesh, points: Float[np.ndarray, "N 3"], normals: Float[np.ndarray, "N 3"]
+) -> Float[np.ndarray, "N 3"]:
+    """Return where rays start: off the surface, which they would meet again otherwise."""
+    return mesh.rays.local(points + OFFSET * mesh.rays.radius * normals)
+
+
+def _before(
+    normals: Float[np.ndarray, "N 3"], directions: Float[np.ndarray, "J 3"]
+) -> tuple[Integer[np.ndarray, "P"], Integer[np.ndarray, "P"]]:
+    """Return the pairs of direction and point where the direction is before the surface."""
+    direction, point = np.nonzero(directions @ normals.astype(np.float32).T > 0)
+    return direction, point
+
+
+def _some_of(count: int, width: int) -> list[slice]:
+    step = max(1, CHUNK // max(1, width))
+    return [slice(first, min(first + step, count)) for first in range(0, count, step)]

@@ -21,6 +21,7 @@ from harmface.io.photo_sets import Photograph, find_photographs, read_photograph
 from harmface.io.pictures import MAX_PIXELS
 from harmface.io.pixel_maps import read_albedo_map, read_normal_map
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
+from harmface.io.scenes import read_scene
 from harmface.io.surfaces import (
     MESH_FILES,
     Surface,
@@ -33,6 +34,7 @@ from harmface.io.tool_coefficients import (
     tool_text,
     write_tool_coefficients,
 )
+from harmface.io.transfers import read_transfer, write_transfer
 
 __all__ = [
     "MAX_PIXELS",
@@ -65,8 +67,10 @@ __all__ = [
     "read_npz",
     "read_photographs",
     "read_probe_grid",
+    "read_scene",
     "read_surface",
     "read_tool_coefficients",
+    "read_transfer",
     "surface_files",
     "tool_text",
     "write_coefficients",
@@ -80,4 +84,5 @@ __all__ = [
     "write_probe_grid",
     "write_surface",
     "write_tool_coefficients",
+    "write_transfer",
 ]

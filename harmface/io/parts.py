@@ -30,10 +30,13 @@ class Parts:
     key
         Digest of all that the results depend on, see `digest`: parts under another key are of
         another job, and are not used.
+    of
+        Name of the job's output, if the folder is not the job's own but that of other files too.
     """
 
     folder: Path
     key: str
+    of: str = ""
 
     def load(self, name: str) -> tuple[dict[str, np.ndarray], dict[str, Any]] | None:
         """Return arrays and facts of a finished part; None if it has to be done."""
@@ -52,12 +55,19 @@ class Parts:
 
     def clear(self) -> None:
         """Remove all parts, this job's and others': what they are for is there, or out of date."""
-        for path in self.folder.glob(f"{HIDDEN}part-*.npz"):
+        for path in self.folder.glob(f"{self._prefix}*.npz"):
             path.unlink(missing_ok=True)
 
     def _path(self, name: str) -> Path:
-        short = hashlib.sha256(name.encode()).hexdigest()[:16]
-        return self.folder / f"{HIDDEN}part-{short}.npz"
+        return self.folder / f"{self._prefix}{_short(name)}.npz"
+
+    @property
+    def _prefix(self) -> str:
+        return f"{HIDDEN}part-{_short(self.of)}-" if self.of else f"{HIDDEN}part-"
+
+
+def _short(name: str) -> str:
+    return hashlib.sha256(name.encode()).hexdigest()[:16]
 
 
 def digest(request: Any, arrays: Mapping[str, np.ndarray] | None = None) -> str:

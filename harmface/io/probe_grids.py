@@ -27,6 +27,8 @@ def write_probe_grid(path: Path | str, grid: ProbeGrid) -> None:
         If the file cannot be written.
     """
     arrays = {"origin": grid.origin, "spacing": grid.spacing, "coefficients": grid.coefficients}
+    if grid.gradients is not None:
+        arrays["gradients"] = grid.gradients
     write_npz(path, KIND, VERSION, arrays)
 
 
@@ -50,7 +52,9 @@ def read_probe_grid(path: Path | str) -> ProbeGrid:
     """
     arrays, _ = read_npz(path, KIND, VERSION)
     try:
-        return ProbeGrid(arrays["origin"], arrays["spacing"], arrays["coefficients"])
+        return ProbeGrid(
+            arrays["origin"], arrays["spacing"], arrays["coefficients"], arrays.get("gradients")
+        )
     except KeyError as error:
         raise FileError(f"{path}: has no array {error}; make it again") from None
     except PARSE_ERRORS as error:

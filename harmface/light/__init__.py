@@ -8,6 +8,13 @@ from harmface.light.analytic import (
     disc,
     hemisphere,
 )
+from harmface.light.area_lights import (
+    DiscLight,
+    NearLight,
+    PointLight,
+    PolygonLight,
+    SphereLight,
+)
 from harmface.light.cube_arrangements import (
     ARRANGEMENTS,
     faces_from_image,
@@ -20,6 +27,7 @@ from harmface.light.environment_map import EnvironmentMap
 from harmface.light.frames import transformed
 from harmface.light.layouts import LAYOUTS, Layout, layout_named
 from harmface.light.probe_grid import ProbeGrid, ScatteredProbes
+from harmface.light.probes import Probes, farthest_points
 from harmface.light.projection import project, project_map
 from harmface.light.published import PUBLISHED_PROBES, published_probe
 from harmface.light.sampling import resample, sample
@@ -34,11 +42,17 @@ __all__ = [
     "ARRANGEMENTS",
     "LAYOUTS",
     "PUBLISHED_PROBES",
+    "DiscLight",
     "DistantLight",
     "EnvironmentMap",
     "Layout",
+    "NearLight",
+    "PointLight",
+    "PolygonLight",
     "ProbeGrid",
+    "Probes",
     "ScatteredProbes",
+    "SphereLight",
     "add_lights",
     "ambient",
     "animate_coefficient",
@@ -47,6 +61,7 @@ __all__ = [
     "disc",
     "faces_from_image",
     "faces_from_opengl",
+    "farthest_points",
     "hann_window",
     "hemisphere",
     "image_from_faces",

@@ -76,7 +76,7 @@ def disc(
         raise ArgumentError(f"angular_radius must lie in (0, pi / 2], got {angular_radius}")
     # The disc's radiance is its irradiance over pi sin(radius)**2.
     irradiance = checks.non_negative("irradiance", irradiance)
-    zonal = _cap(angular_radius, max_degree) / (np.pi * np.sin(angular_radius) ** 2)
+    zonal = zonal_cap(angular_radius, max_degree) / (np.pi * np.sin(angular_radius) ** 2)
     return rotate_zonal(irradiance[..., None] * zonal, _axis(direction))
 
 
@@ -112,7 +112,7 @@ def cone(
     if not 0 < half_angle <= np.pi:
         raise ArgumentError(f"half_angle must lie in (0, pi], got {half_angle}")
     radiance = checks.non_negative("radiance", radiance)
-    return rotate_zonal(radiance[..., None] * _cap(half_angle, max_degree), _axis(direction))
+    return rotate_zonal(radiance[..., None] * zonal_cap(half_angle, max_degree), _axis(direction))
 
 
 def hemisphere(
@@ -207,18 +207,22 @@ def add_lights(*coefficients: Float[np.ndarray, "..."]) -> Float[np.ndarray, "*c
     return total
 
 
-def _cap(half_angle: float, max_degree: int) -> Float[np.ndarray, "L"]:
+def zonal_cap(
+    half_angle: Float[np.ndarray, "*points"] | float, max_degree: int
+) -> Float[np.ndarray, "*points L"]:
     """Return the zonal coefficients of radiance 1 within an angle from +z.
 
     The integral of `P_l` from `c = cos(angle)` to 1 is `(1 - c**2) P_l'(c) / (l (l + 1))` by
     Legendre's equation: unlike a difference of polynomials it keeps its digits for small discs.
     """
+    half_angle = np.asarray(half_angle, float)
     degree = np.arange(checks.degree("max_degree", max_degree) + 1)
-    below = legvander(np.cos(half_angle), max_degree)[0, : max(max_degree, 1)]
-    slopes = below @ legder(np.eye(max_degree + 1))
-    integrals = np.empty(len(degree))
-    integrals[0] = 2 * np.sin(half_angle / 2) ** 2
-    integrals[1:] = np.sin(half_angle) ** 2 * slopes[1:] / (degree[1:] * (degree[1:] + 1))
+    below = legvander(np.cos(half_angle), max_degree)[..., : max(max_degree, 1)]
+    slopes = below.reshape(*half_angle.shape, -1) @ legder(np.eye(max_degree + 1))
+    integrals = np.empty((*half_angle.shape, len(degree)))
+    integrals[..., 0] = 2 * np.sin(half_angle / 2) ** 2
+    sines = np.sin(half_angle)[..., None] ** 2
+    integrals[..., 1:] = sines * slopes[..., 1:] / (degree[1:] * (degree[1:] + 1))
     return 2 * np.pi * np.sqrt((2 * degree + 1) / (4 * np.pi)) * integrals
 
 

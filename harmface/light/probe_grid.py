@@ -32,6 +32,9 @@ class ProbeGrid:
         Distance to the next along x, y and z, positive.
     coefficients
         Lighting coefficients of every probe, `(X, Y, Z, *channels, K)`.
+    gradients
+        Their derivatives by x, y and z, if they are known: far better than values alone between
+        the probes.
 
     Raises
     ------
@@ -42,6 +45,7 @@ class ProbeGrid:
     origin: Float[np.ndarray, "3"]
     spacing: Float[np.ndarray, "3"]
     coefficients: Float[np.ndarray, "X Y Z *channels_K"]
+    gradients: Float[np.ndarray, "X Y Z *channels_K_3"] | None = None
 
     __repr__ = summary
 
@@ -56,14 +60,24 @@ class ProbeGrid:
                 f"coefficients must have shape (X, Y, Z, ..., K), got {coefficients.shape}"
             )
         max_degree_of(coefficients.shape[-1])
+        if self.gradients is not None:
+            gradients = checks.finite("gradients", self.gradients)
+            if gradients.shape != (*coefficients.shape, 3):
+                raise ArgumentError(
+                    f"gradients must have shape (X, Y, Z, ..., K, 3) as the coefficients "
+                    f"{coefficients.shape}, got {gradients.shape}"
+                )
+            object.__setattr__(self, "gradients", gradients)
         object.__setattr__(self, "origin", origin)
         object.__setattr__(self, "spacing", spacing)
         object.__setattr__(self, "coefficients", coefficients)
 
     def at(self, points: Float[np.ndarray, "*points 3"]) -> Float[np.ndarray, "..."]:
-        """Return the coefficients at points, trilinear between the eight probes around each.
+        """Return the coefficients at points, from the eight probes around each.
 
-        A point outside the grid has the light of the nearest point on its surface.
+        They are trilinear; with gradients, cubic along each axis (Hermite), so that values and
+        gradients at the probes are theirs. A point outside the grid has the light of the nearest
+        point on its surface.
 
         Parameters
         ----------
@@ -86,14 +100,27 @@ class ProbeGrid:
         low = np.minimum(position.astype(np.intp), np.maximum(limits - 1, 0))
         high = np.minimum(low + 1, limits)
         fraction = position - low
+        if self.gradients is None:
+            values = np.stack([1 - fraction, fraction])
+        else:
+            rise = fraction**2 * (3 - 2 * fraction)
+            values = np.stack([1 - rise, rise])
+            slopes = np.stack([fraction * (1 - fraction) ** 2, -(fraction**2) * (1 - fraction)])
+            slopes *= self.spacing
         trailing = (1,) * (self.coefficients.ndim - 3)
         total = np.zeros((*points.shape[:-1], *self.coefficients.shape[3:]))
         for corner in np.ndindex(2, 2, 2):
-            is_high = np.array(corner) == 1
-            index = np.where(is_high, high, low)
-            weight = np.where(is_high, fraction, 1 - fraction).prod(axis=-1)
-            probe = self.coefficients[index[..., 0], index[..., 1], index[..., 2]]
-            total += weight.reshape(*weight.shape, *trailing) * probe
+            index = np.where(np.array(corner) == 1, high, low)
+            probe = tuple(np.moveaxis(index, -1, 0))
+            weights = [values[side, ..., axis] for axis, side in enumerate(corner)]
+            weight = np.prod(weights, axis=0)
+            total += weight.reshape(*weight.shape, *trailing) * self.coefficients[probe]
+            if self.gradients is None:
+                continue
+            for axis, side in enumerate(corner):
+                others = [slopes[side, ..., axis], *weights[:axis], *weights[axis + 1 :]]
+                weight = np.prod(others, axis=0)
+                total += weight.reshape(*weight.shape, *trailing) * self.gradients[probe][..., axis]
         return total.astype(self.coefficients.dtype)
 
 

@@ -1,6 +1,12 @@
 """Images from geometry and light: the harmonic model, and the oracle without harmonics."""
 
 from harmface.rendering.cast_shadows import shadowed_harmonic_images
+from harmface.rendering.glossy_transfer import (
+    ClusteredTransfer,
+    clustered_pca,
+    glossy_radiance,
+    glossy_transfer,
+)
 from harmface.rendering.harmonic_images import harmonic_images, outgoing_radiance, relight
 from harmface.rendering.irradiance import (
     harmonic_irradiance,
@@ -10,19 +16,29 @@ from harmface.rendering.irradiance import (
     matrix_irradiance,
     polynomial_irradiance,
 )
+from harmface.rendering.precomputed_transfer import Transfer, transfer, visibility_coefficients
 from harmface.rendering.reference import (
     Phong,
     box_average,
     clamped_cosines,
     irradiance,
+    reflected,
     render,
     vertex_irradiance,
 )
+from harmface.rendering.scene import Scene, Surface, probes, ray_cast_probes, sampled_light
 
 __all__ = [
+    "ClusteredTransfer",
     "Phong",
+    "Scene",
+    "Surface",
+    "Transfer",
     "box_average",
     "clamped_cosines",
+    "clustered_pca",
+    "glossy_radiance",
+    "glossy_transfer",
     "harmonic_images",
     "harmonic_irradiance",
     "irradiance",
@@ -32,8 +48,14 @@ __all__ = [
     "matrix_irradiance",
     "outgoing_radiance",
     "polynomial_irradiance",
+    "probes",
+    "ray_cast_probes",
+    "reflected",
     "relight",
     "render",
+    "sampled_light",
     "shadowed_harmonic_images",
+    "transfer",
     "vertex_irradiance",
+    "visibility_coefficients",
 ]

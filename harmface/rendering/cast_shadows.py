@@ -1,4 +1,4 @@
-"""Harmonic images with cast shadows, by casting rays to sampled light.
+"""Harmonic images with cast shadows.
 
 References
 ----------
@@ -10,17 +10,12 @@ References
 import numpy as np
 from jaxtyping import Float
 
-from harmface import checks
-from harmface.conventions import harmonic_count, luminance
-from harmface.geometry import GBuffer, Mesh, visible
-from harmface.rendering.reference import clamped_cosines
-from harmface.sphere import lebedev, real_harmonics
+from harmface.conventions import luminance
+from harmface.geometry import GBuffer, Mesh
+from harmface.rendering.precomputed_transfer import transfer
 
-EXACT_DEGREE = 47
-"""Degree to which the quadrature is exact: 770 directions, 7 degrees apart."""
-
-CHUNK = 2**22
-"""Pairs of direction and pixel treated at a time: 32 MB."""
+SAMPLES = 1024
+"""Directions of the light: a face hides so little of it that as few will do."""
 
 
 def shadowed_harmonic_images(
@@ -30,10 +25,10 @@ def shadowed_harmonic_images(
     *,
     albedo: Float[np.ndarray, "H W"] | None = None,
 ) -> Float[np.ndarray, "K H W"]:
-    """Return `S_k = albedo sum_j w_j max(n . w_j, 0) V_j Y_k(w_j)`: harmonic images with shadows.
+    """Return `S_k = albedo T_k`: harmonic images with cast shadows.
 
-    The integral over the light of [BJ03]_ with the visibility `V` kept in it, the better variant
-    of [LHK05]_. On a convex object it gives `harmonic_images`.
+    The integral over the light of [BJ03]_ with the visibility kept in it, the better variant of
+    [LHK05]_: `transfer` without bounces. On a convex object it gives `harmonic_images`.
 
     Parameters
     ----------
@@ -51,19 +46,5 @@ def shadowed_harmonic_images(
     numpy.ndarray
         `K = (degree + 1)**2` images in float64; zero in the background.
     """
-    degree = checks.degree("degree", degree)
-    rule = lebedev(EXACT_DEGREE)
-    weighted = real_harmonics(rule.directions, degree) * rule.weights
-    normals, points = view.normals[view.mask], view.position[view.mask]
-    irradiance = np.zeros((harmonic_count(degree), len(normals)))
-    step = max(1, CHUNK // len(normals))
-    for first in range(0, len(rule.directions), step):
-        some = slice(first, first + step)
-        directions = rule.directions[some]
-        cosines = clamped_cosines(normals, directions)
-        cosines *= visible(caster, points, normals, directions)
-        irradiance += weighted[:, some] @ cosines
-    images = np.zeros((len(irradiance), *view.mask.shape))
-    albedo = luminance(view.albedo) if albedo is None else albedo
-    images[:, view.mask] = albedo[view.mask] * irradiance
-    return images
+    received = transfer(caster, degree, view=view, samples=SAMPLES).coefficients
+    return received * (luminance(view.albedo) if albedo is None else albedo)

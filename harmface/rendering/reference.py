@@ -14,6 +14,7 @@ from harmface import checks
 from harmface.conventions import luminance
 from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, visible
+from harmface.geometry.visibility import OFFSET
 from harmface.light import DistantLight
 
 CHUNK = 2**22
@@ -220,6 +221,85 @@ def vertex_irradiance(
     return total
 
 
+def reflected(
+    mesh: Mesh,
+    view: GBuffer,
+    light: DistantLight,
+    bounces: int,
+    *,
+    rays: int = 256,
+    rng: np.random.Generator | int = 0,
+) -> Float[np.ndarray, "... H W"]:
+    """Return the irradiance that a mesh sends to itself, which `render` leaves out.
+
+    Each bounce is a mean over rays drawn with the cosine as their density, between which radiosity
+    is interpolated linearly from the vertices.
+
+    Parameters
+    ----------
+    mesh
+        The surface; vertices reflect the luminance of their albedo.
+    view
+        What the camera sees of it.
+    light
+        Distant light; its leading axes lead the result.
+    bounces
+        How often light is reflected from the surface to itself.
+    rays
+        Number from each vertex and pixel.
+    rng
+        Generator or seed.
+    """
+    from scipy.sparse import csr_array, vstack
+
+    bounces = checks.integer("bounces", bounces, 0)
+    rays = checks.positive_integer("rays", rays)
+    rng = checks.generator(rng)
+    normals, points = view.normals[view.mask], view.position[view.mask]
+
+    def shares(points: np.ndarray, normals: np.ndarray) -> csr_array:
+        """Return how much of each vertex's radiosity arrives at points, by rays."""
+        rows = []
+        starts = mesh.rays.local(points + OFFSET * mesh.rays.radius * normals)
+        for some in _chunks(len(points), rays):
+            # A unit vector plus one uniform over the sphere has the cosine's density.
+            drawn = rng.standard_normal((some.stop - some.start, rays, 3))
+            drawn /= np.linalg.norm(drawn, axis=-1, keepdims=True)
+            drawn += normals[some, None]
+            drawn /= np.linalg.norm(drawn, axis=-1, keepdims=True)
+            directions = drawn.reshape(-1, 3)
+            hits = mesh.rays.first_hits(np.repeat(starts[some], rays, axis=0), directions)
+            facing = np.einsum("ni,ni->n", mesh.face_normals[hits.face], directions) < 0
+            met = (hits.face >= 0) & facing
+            u, v = hits.u[met], hits.v[met]
+            weights = np.stack([1 - u - v, u, v], axis=1) / rays
+            columns = mesh.faces[hits.face[met]]
+            counts = 3 * met.reshape(-1, rays).sum(axis=1)
+            ends = np.concatenate([[0], np.cumsum(counts)])
+            shape = (len(counts), len(mesh.vertices))
+            rows.append(csr_array((weights.ravel(), columns.ravel(), ends), shape=shape))
+        return vstack(rows, format="csr")
+
+    image = np.zeros((*light.irradiances.shape[:-1], *view.mask.shape))
+    if bounces:
+        arriving = np.zeros((*light.irradiances.shape[:-1], len(mesh.vertices)))
+        for some in _chunks(len(light.directions), len(mesh.vertices)):
+            directions = light.directions[some]
+            cosines = clamped_cosines(mesh.normals, directions)
+            cosines *= visible(mesh, mesh.vertices, mesh.normals, directions)
+            arriving += light.irradiances[..., some] @ cosines
+        albedo = luminance(mesh.albedo)
+        flat = arriving.reshape(-1, len(albedo)).T
+        between = shares(mesh.vertices, mesh.normals)
+        total = flat
+        for _ in range(bounces - 1):
+            flat = between @ (albedo[:, None] * flat)
+            total = total + flat
+        found = shares(points, normals) @ (albedo[:, None] * total)
+        image[..., view.mask] = found.T.reshape(*image.shape[:-2], -1)
+    return image
+
+
 def box_average(
     images: Float[np.ndarray, "*images H W"], factor: int
 ) -> Float[np.ndarray, "*images h w"]:
@@ -261,4 +341,4 @@ def _mirrored(
 
 def _chunks(count: int, width: int) -> list[slice]:
     step = max(1, CHUNK // max(1, width))
-    return [slice(first, first + step) for first in range(0, count, step)]
+    return [slice(first, min(first + step, count)) for first in range(0, count, step)]

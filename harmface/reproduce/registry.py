@@ -1,6 +1,16 @@
 """Which experiment measures which claim."""
 
-from harmface.reproduce import inverse, irradiance, lambert, pca, recognition, stereo, subspaces
+from harmface.reproduce import (
+    inverse,
+    irradiance,
+    lambert,
+    near_field,
+    pca,
+    recognition,
+    stereo,
+    subspaces,
+    transfer,
+)
 from harmface.reproduce.experiment import Experiment
 
 EXPERIMENTS: dict[str, Experiment] = {
@@ -28,4 +38,11 @@ EXPERIMENTS: dict[str, Experiment] = {
     "inverse-light-conditioning": inverse.conditioning,
     "inverse-light-odd-degrees": inverse.odd_degrees,
     "inverse-light-faces": inverse.faces,
+    "transfer-bowl": transfer.bowl,
+    "transfer-convex": transfer.convex,
+    "transfer-subspaces": transfer.subspaces,
+    "near-field-gradient": near_field.gradient,
+    "near-field-gain": near_field.gain,
+    "near-field-cost": near_field.cost,
+    "near-light-energy": near_field.near_light_energy,
 }

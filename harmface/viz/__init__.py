@@ -8,6 +8,7 @@ from harmface.viz.harmonics import basis_figure
 from harmface.viz.interactive import interactive
 from harmface.viz.inverse import light_figure
 from harmface.viz.modes import modes_figure, spectrum_figure
+from harmface.viz.near_light import near_light_figure
 from harmface.viz.plot import plot
 from harmface.viz.recognition import Explanation, explanation_figure, lit_sphere
 from harmface.viz.stereo import stereo_figure
@@ -27,6 +28,7 @@ __all__ = [
     "light_figure",
     "lit_sphere",
     "modes_figure",
+    "near_light_figure",
     "plot",
     "show_linear",
     "spectrum_figure",

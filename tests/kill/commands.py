@@ -16,6 +16,9 @@ COMMANDS = {
     "light convert": "light convert nine.json --from harmface --to deca --out d.npy",
     "relight": "relight photographs/00.png --mesh ball.ply --light 40,20 --out r.png",
     "view": "view ball.ply --environment sky.hdr --reference --out v.html",
+    "transfer": "transfer ball.ply --degree 1 --samples 128 --out t.npz",
+    "synth scene": "synth scene --out s.toml",
+    "nearlight": "nearlight ball.ply --scene scene.toml --size 16 --figure f.png --out n.png",
     "enroll meshes": "enroll ball.ply --size 16 --out g.npz",
     "enroll photographs": "enroll people --method nearest --out g.npz",
     "recognize": "recognize people.npz people/a/0.png --figure why.png",
@@ -59,6 +62,7 @@ def prepare(folder: Path) -> None:
             faces += [(a, a + 24, b), (b, a + 24, b + 24)]
     ball = Mesh(normals, np.array(faces), normals, np.full(normals.shape, 0.5))
     write_ply(folder / "ball.ply", ball)
+    (folder / "scene.toml").write_text("[[point]]\nposition = [0, 1, 3]\nintensity = 5\n")
     own = rng.random((3, 1, 12, 10))
     people = 0.7 * own + 0.3 * rng.random((3, 5, 12, 10))
     for name, stack in zip("abc", people, strict=True):

@@ -81,6 +81,63 @@ CALLS = {
         ),
         {"origin": np.zeros(3), "spacing": np.ones(3), "coefficients": RNG.random((2, 2, 2, 9))},
     ),
+    "gaunt product": (sphere.product, {"first": NINE, "second": NINE[::-1].copy()}),
+    "triple_product": (
+        sphere.triple_product,
+        {"first": NINE, "second": NINE, "third": RNG.random((3, 4))},
+    ),
+    "multiplication_matrix": (
+        lambda coefficients: sphere.multiplication_matrix(coefficients, 1, 2),
+        {"coefficients": NINE},
+    ),
+    "harmonic_gradients": (
+        lambda directions: sphere.harmonic_gradients(directions, 3),
+        {"directions": GRID},
+    ),
+    "PolygonLight": (
+        lambda vertices, radiance: (
+            light.PolygonLight(vertices, radiance).probes(np.ones((1, 3)), 2).coefficients
+        ),
+        {"vertices": SQUARE, "radiance": RNG.random(3)},
+    ),
+    "DiscLight": (
+        lambda center, normal, radiance: (
+            light.DiscLight(center, normal, 0.3, radiance).probes(np.ones((1, 3)), 2).coefficients
+        ),
+        {"center": np.zeros(3), "normal": np.array([0.0, 0.6, 0.8]), "radiance": RNG.random(3)},
+    ),
+    "SphereLight": (
+        lambda center, radiance: (
+            light.SphereLight(center, 0.3, radiance).probes(np.ones((1, 3)), 2).coefficients
+        ),
+        {"center": np.zeros(3), "radiance": RNG.random(3)},
+    ),
+    "Probes": (
+        lambda positions, coefficients, gradients: light.Probes(
+            positions, coefficients, gradients
+        ).at(np.ones((2, 3))),
+        {
+            "positions": RNG.random((2, 3)),
+            "coefficients": RNG.random((2, 9)),
+            "gradients": RNG.random((2, 9, 3)),
+        },
+    ),
+    "farthest_points": (
+        lambda candidates: light.farthest_points(candidates, 3),
+        {"candidates": RNG.random((9, 3))},
+    ),
+    "transfer": (
+        lambda albedo: (
+            rendering.transfer(
+                geometry.Mesh(SQUARE, FACES, UP, np.full((4, 3), 0.5)),
+                1,
+                bounces=1,
+                albedo=albedo,
+                samples=32,
+            ).coefficients
+        ),
+        {"albedo": RNG.random(4)},
+    ),
     "clamped_cosines": (rendering.clamped_cosines, {"normals": GRID, "directions": GRID[0]}),
     "harmonic_images": (
         rendering.harmonic_images,

@@ -9,6 +9,7 @@ from harmface.geometry import (
     PerspectiveCamera,
     frame_orthographic,
     gbuffer,
+    vertex_weights,
 )
 from harmface.reproduce.synthetic import mesh_of
 
@@ -97,3 +98,15 @@ def test_opposite_normals_in_one_pixel_leave_background():
     view = gbuffer(mesh, OrthographicCamera((1.0, 0.2, 1.0), 1e-6, (1, 1)))
     assert not view.mask.any()
     assert not view.normals.any()
+
+
+def test_vertex_weights_interpolate_as_the_buffer_does():
+    mesh = mesh_of(sphere(16))
+    camera = frame_orthographic(mesh, 24)
+    view = gbuffer(mesh, camera)
+    weights = vertex_weights(mesh, camera)
+    np.testing.assert_allclose(
+        (weights @ mesh.vertices).reshape(view.position.shape), view.position, atol=1e-12
+    )
+    sums = np.asarray(weights.sum(axis=1)).reshape(view.mask.shape)
+    np.testing.assert_allclose(sums, view.mask, atol=1e-6)

@@ -61,7 +61,7 @@ def test_directions_are_taken_a_few_at_a_time_without_effect(monkeypatch):
     mesh = two_spheres()
     view = seen(mesh, 6)
     whole = shadowed_harmonic_images(view, mesh, 1)
-    monkeypatch.setattr("harmface.rendering.cast_shadows.CHUNK", 1000)
+    monkeypatch.setattr("harmface.rendering.precomputed_transfer.PAIRS", 5000)
     assert np.allclose(whole, shadowed_harmonic_images(view, mesh, 1))
 
 

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from data_synth.shapes import sphere
+from data_synth.shapes import half_sphere, sphere
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, frame_orthographic, frame_perspective, gbuffer
 from harmface.light import DistantLight
-from harmface.rendering import Phong, box_average, clamped_cosines, irradiance, render
+from harmface.rendering import Phong, box_average, clamped_cosines, irradiance, reflected, render
 from harmface.reproduce.synthetic import mesh_of
 from harmface.sphere import fibonacci_directions, gauss_legendre, random_directions
 
@@ -133,3 +133,31 @@ def test_the_sum_over_directions_converges_to_the_integral(rng):
         errors.append(np.abs(irradiance(normals, light) - np.pi).max())
     # Sixteen times the directions of a near-uniform set: an error at least eight times smaller.
     assert errors[1] < errors[0] / 8
+
+
+def test_a_bowl_reflects_half_of_what_it_receives_to_itself():
+    mesh = mesh_of(half_sphere(32)).flipped().rotated(np.diag([1.0, -1.0, -1.0]))
+    mesh = Mesh(mesh.vertices, mesh.faces, mesh.normals, np.full(mesh.vertices.shape, 0.5))
+    view = gbuffer(mesh, frame_orthographic(mesh, 9))
+    sky = fibonacci_directions(600)
+    light = DistantLight(sky, np.full((2, 600), 4 * np.pi / 600) * np.array([[1.0], [2.0]]))
+    for bounces, share in ((0, 0), (1, 0.25), (2, 0.25 + 0.0625)):
+        found = reflected(mesh, view, light, bounces)
+        assert found.shape == (2, 9, 9)
+        # A white sky gives pi / 2 in the bowl.
+        assert found[0][view.mask].mean() == pytest.approx(share * np.pi / 2, rel=0.02)
+        np.testing.assert_allclose(found[1], 2 * found[0])
+        assert not found[:, ~view.mask].any()
+
+
+def test_a_convex_mesh_reflects_nothing_to_itself():
+    light = DistantLight(UP, np.ones((1, 1)))
+    assert not reflected(BALL, VIEW, light, 2, rays=32).any()
+
+
+def test_reflections_want_whole_numbers():
+    light = DistantLight(UP, np.ones((1, 1)))
+    with pytest.raises(ArgumentError, match="bounces must be 0"):
+        reflected(BALL, VIEW, light, -1)
+    with pytest.raises(ArgumentError, match="rays must be 1"):
+        reflected(BALL, VIEW, light, 1, rays=0)
