@@ -24,7 +24,7 @@ DEGREE = 4
 @with_options("reading", SurfaceReading)
 def relight(
     photo: PhotoArgument,
-    out: Annotated[Path, typer.Option(help="PNG file to write, encoded as the photograph is.")],
+    out: Annotated[Path, typer.Option(help="PNG or JPEG file to write, in sRGB, which it says.")],
     environment: Annotated[
         Path | None,
         typer.Option(
@@ -107,10 +107,9 @@ def relight(
         before, after = (_received(surface, each, image) for each in (own, wanted))
     relit = relight_photograph(image, before, after, surface.mask, exposure=exposure)
     clipped = float((relit[surface.mask] > 1).mean())
-    write_image(out, relit, srgb=reading.srgb)
-    encoding = "sRGB" if reading.srgb else "linear"
+    write_image(out, relit, bits=8, srgb=True)
     said = f", {clipped:.1%} of the surface clipped" if clipped else ""
-    output.print(f"{image.shape[0]} x {image.shape[1]} pixels in {out} ({encoding}{said})")
+    output.print(f"{image.shape[0]} x {image.shape[1]} pixels in {out} (sRGB{said})")
 
 
 def _received(
