@@ -39,6 +39,15 @@ def project(
         Path | None,
         typer.Option(help="JSON file to write; `render` and `envmap irradiance` read it as light."),
     ] = None,
+    tool: Annotated[
+        str | None,
+        typer.Option(
+            "--format",
+            metavar="TOOL",
+            help="Print, or write, as another tool has them: glsl, three.js, unity, filament, ... "
+            "(see `light convert`).",
+        ),
+    ] = None,
     as_json: JsonOption = False,
     *,
     reading: MapReading,
@@ -47,14 +56,21 @@ def project(
 
     Example: harmface envmap project forest.hdr --out forest.json
     """
-    from harmface.io import write_coefficients
+    from harmface.io import tool_text, write_tool_coefficients
     from harmface.light import project as project_map
 
     checks.degree("--max-degree", max_degree)
+    if tool is not None and as_json:
+        raise ArgumentError("--json and --format are two ways to print; give one of them")
     claim_outputs(out, inputs=environment)
     coefficients = np.atleast_2d(project_map(reading.load_map(environment), max_degree))
+    text = tool_text(coefficients, tool or "harmface")
     if out is not None:
-        write_coefficients(out, coefficients)
+        write_tool_coefficients(out, coefficients, tool or "harmface")
+    elif tool is not None:
+        typer.echo(text, nl=False)
+    if tool is not None:
+        return
     if as_json:
         typer.echo(json.dumps({"coefficients": coefficients.tolist()}, indent=1))
         return

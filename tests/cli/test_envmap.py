@@ -5,7 +5,12 @@ import OpenEXR
 import pytest
 from PIL import Image
 
-from harmface.io import read_environment_map, read_image, write_environment_map
+from harmface.io import (
+    read_environment_map,
+    read_image,
+    read_tool_coefficients,
+    write_environment_map,
+)
 from harmface.light import EnvironmentMap, cone, project, published_probe
 from harmface.light.layouts import layout_named
 from harmface.sphere import synthesize
@@ -27,6 +32,17 @@ def smooth(tmp_path):
 def coefficients_of(outcome):
     assert outcome.code == 0
     return np.array(json.loads(outcome.out)["coefficients"])
+
+
+def test_project_writes_what_other_tools_read(run, check_refused, smooth, tmp_path):
+    coefficients = project(read_environment_map(tmp_path / smooth), 2)
+    printed = run("envmap", "project", smooth, "--format", "deca").out
+    run("envmap", "project", smooth, "--format", "deca", "--out", "deca.json")
+    assert (tmp_path / "deca.json").read_text() == printed
+    assert np.allclose(read_tool_coefficients(tmp_path / "deca.json", "deca"), coefficients)
+    refused = ("envmap", "project", smooth, "--out", "none.json", "--format")
+    check_refused("tool must be one of harmface, three.js", *refused, "maya")
+    check_refused("--json and --format are two ways to print", *refused, "unity", "--json")
 
 
 def test_project_prints_channels_by_coefficients(run, smooth, tmp_path):
