@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from harmface import checks
@@ -12,7 +11,7 @@ from harmface.cli.common import claim_outputs, output, progress, told
 from harmface.cli.light_source import EnvironmentReading
 from harmface.cli.mesh_options import MeshReading
 from harmface.cli.option_groups import with_options
-from harmface.errors import ArgumentError, FileError
+from harmface.errors import ArgumentError
 from harmface.light import EnvironmentMap
 
 if TYPE_CHECKING:
@@ -126,6 +125,7 @@ def view(
 
 
 def _mesh_page(mesh: "Mesh", title: str, extras: MeshExtras, shared: dict[str, Any]) -> "Viewer":
+    from harmface.io import read_transfer
     from harmface.rendering import vertex_irradiance
     from harmface.viz import decimated, viewer
 
@@ -134,7 +134,7 @@ def _mesh_page(mesh: "Mesh", title: str, extras: MeshExtras, shared: dict[str, A
             mesh = decimated(mesh, extras.decimate)
     transfer = reference = None
     if extras.transfer is not None:
-        transfer = _transfer(extras.transfer)
+        transfer = read_transfer(extras.transfer, mesh).coefficients
     if extras.reference:
         light = shared["light"]
         if not isinstance(light, EnvironmentMap):
@@ -162,12 +162,3 @@ def _subject_page(path: Path, subject: str | None, shared: dict[str, Any]) -> "V
 
     gallery = read_gallery(path).gallery_
     return subject_viewer(gallery, str(gallery.names[0]) if subject is None else subject, **shared)
-
-
-def _transfer(path: Path) -> np.ndarray:
-    from harmface.io import read_npz
-
-    arrays, _ = read_npz(path, "transfer", 1)
-    if "transfer" not in arrays:
-        raise FileError(f"{path}: holds no transfer vectors; make it with `harmface transfer`")
-    return arrays["transfer"]
