@@ -28,9 +28,11 @@ class GBuffer:
     albedo
         Linear RGB in [0, 1].
     depth
-        Distance in front of the camera along -z; infinite in the background.
+        Distance in front of the camera along -z, the mean over a pixel's samples; infinite in the
+        background.
     position
-        Point on the surface.
+        Point on the surface: the sample nearest to their mean, which itself lies below a curved
+        surface, in the dark.
     mask
         True where the mesh covers at least half the samples of a pixel.
     camera
@@ -81,7 +83,8 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
     mask &= length > 1e-6 * samples
     normals *= np.divide(1, length, out=np.zeros_like(length), where=mask)[:, None]
     share = np.divide(1, samples, out=np.zeros_like(length), where=mask)[:, None]
-    position = interpolate @ mesh.vertices.astype(np.float64, copy=False) * share
+    middle = interpolate @ mesh.vertices.astype(np.float64, copy=False) * share
+    position = middle if n == 1 else _nearest(mesh, face, weights, middle, samples) * mask[:, None]
     if mesh.texture is None:
         albedo = interpolate @ mesh.albedo.astype(np.float64, copy=False)
     else:
@@ -90,7 +93,7 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
         albedo = csr_array((ones, np.arange(len(each)), starts)) @ each
     # Rounding of the weights can carry a mean past the ends of the range.
     albedo = np.clip(albedo * share, 0, 1)
-    depth = np.where(mask, camera.center[2] - position[:, 2], np.inf)
+    depth = np.where(mask, camera.center[2] - middle[:, 2], np.inf)
     image = (rows, columns)
     return GBuffer(
         normals.reshape(*image, 3),
@@ -166,6 +169,26 @@ def _interpolation(
         shape=(rows * columns, len(mesh.vertices)),
     )
     return interpolate, samples, starts
+
+
+def _nearest(
+    mesh: Mesh,
+    face: Integer[np.ndarray, "N"],
+    weights: Float[np.ndarray, "N 3"],
+    middle: Float[np.ndarray, "P 3"],
+    samples: Integer[np.ndarray, "P"],
+) -> Float[np.ndarray, "P 3"]:
+    """Return the sample of each pixel that is nearest to a point, zero where there is none."""
+    places = np.einsum("nc,nci->ni", weights, mesh.vertices[mesh.faces[face]])
+    pixel = np.repeat(np.arange(len(samples)), samples)
+    distance = ((places - middle[pixel]) ** 2).sum(axis=1)
+    # Sorted by pixel, and by distance within: the first of each run.
+    order = np.lexsort((distance, pixel))
+    covered = samples > 0
+    first = np.concatenate([[0], np.cumsum(samples)])[:-1][covered]
+    found = np.zeros((len(samples), 3))
+    found[covered] = places[order[first]]
+    return found
 
 
 def _looked_up(

@@ -66,10 +66,7 @@ class PhotographedSurface:
             Whether the mesh shadows itself.
         """
         camera = frame_orthographic(mesh, frame) if isinstance(frame, tuple) else frame
-        view, single = gbuffer(mesh, camera, SUPERSAMPLING), gbuffer(mesh, camera)
-        # A mean of places on a curved surface may lie below it, where no light comes.
-        place = np.where(single.mask[..., None], single.position, view.position)
-        view = replace(view, position=place)
+        view = gbuffer(mesh, camera, SUPERSAMPLING)
         coloured = np.ptp(view.albedo[view.mask], axis=0).any()
         albedo = view.albedo if coloured else None
         return cls(view.normals, view.mask, albedo, view, mesh if cast_shadows else None)

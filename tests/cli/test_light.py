@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from scipy.ndimage import binary_erosion
 
 from data_synth.environments import ENVIRONMENTS, rasterise
 from data_synth.faces import head
-from harmface.conventions import luminance
+from harmface.conventions import linear_to_srgb, luminance
 from harmface.geometry import frame_orthographic, gbuffer
 from harmface.io import (
     read_coefficients,
@@ -145,7 +146,9 @@ def test_a_prior_is_learned_from_a_folder(run, photo, ball):
 
 
 def test_encoded_photographs_are_noticed(run, photo):
-    write_image("encoded.png", read_image(photo), srgb=True)
+    codes = np.rint(255 * linear_to_srgb(read_image(photo))).astype(np.uint8)
+    # It does not say how it is encoded.
+    Image.fromarray(codes).save("encoded.png")
     told = run("light", "encoded.png", "--mesh", "head.ply").err
     assert "try --srgb" in told
     assert "try --srgb" not in run("light", photo, "--mesh", "head.ply").err

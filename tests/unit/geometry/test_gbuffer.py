@@ -10,6 +10,7 @@ from harmface.geometry import (
     frame_orthographic,
     gbuffer,
     vertex_weights,
+    visible,
 )
 from harmface.reproduce.synthetic import mesh_of
 
@@ -110,3 +111,19 @@ def test_vertex_weights_interpolate_as_the_buffer_does():
     )
     sums = np.asarray(weights.sum(axis=1)).reshape(view.mask.shape)
     np.testing.assert_allclose(sums, view.mask, atol=1e-6)
+
+
+def test_places_of_many_samples_lie_on_the_surface():
+    """Their mean lies inside a ball, in its own shadow."""
+    mesh = mesh_of(sphere(16))
+    camera = frame_orthographic(mesh, 24)
+    view = gbuffer(mesh, camera, 4)
+    places, normals = view.position[view.mask], view.normals[view.mask]
+    towards = np.array([[0.0, 0, 1]])
+    facing = normals[:, 2] > 0.5
+    assert visible(mesh, places[facing], normals[facing], towards).all()
+    # Within the pixel: every ray of it is half a pixel from its middle at most.
+    centres = camera.rays(1)[0].reshape(24, 24, 3)[view.mask]
+    step = np.linalg.norm(centres[1] - centres[0])
+    inner = facing & (np.hypot(places[:, 0], places[:, 1]) < 0.8)
+    assert np.abs(places - centres)[inner, :2].max() < step / 2
