@@ -18,7 +18,7 @@ MODULES = sorted(
     {*harmface.__all__, "errors", "light.interchange"} - {"HarmfaceError", "__version__"}
 )
 
-NOT_YET = ("stereo", "recognition", "enrollment")
+NOT_YET = ("recognition", "enrollment")
 """Subpackages whose docstrings are not held yet."""
 
 CODES = {"GL08", "SS01", "SS03", "PR01", "PR02", "PR03", "PR07", "PR09", "RT01", "RT03", "YD01"}
