@@ -35,6 +35,11 @@ def mesh_defects(mesh: Mesh) -> Defects:
     mesh
         The surface.
 
+    Returns
+    -------
+    Defects
+        Numbers of open edges, of degenerate faces, and of faces against their normals.
+
     Examples
     --------
     >>> corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])

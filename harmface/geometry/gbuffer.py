@@ -67,6 +67,11 @@ def gbuffer(mesh: Mesh, camera: Camera, supersampling: int = 1) -> GBuffer:
     supersampling
         Samples along each side of a pixel.
 
+    Returns
+    -------
+    GBuffer
+        Float64 arrays of the camera's rows and columns.
+
     Raises
     ------
     ArgumentError

@@ -107,6 +107,11 @@ def blocked(
         Unit normals there.
     directions
         Unit directions to the light, not so many that all pairs would fill the memory.
+
+    Returns
+    -------
+    Blocked
+        The pairs of a direction and a point before it between which a face is met.
     """
     starts = _starts(mesh, points, normals)
     directions = directions.astype(np.float32)

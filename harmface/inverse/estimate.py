@@ -99,6 +99,7 @@ def estimate_light(
     A white sphere seen from the front, under a lamp from the right:
 
     >>> from harmface.rendering import harmonic_irradiance
+    >>> from harmface.sphere import real_harmonics
     >>> y, x = np.mgrid[1:-1:64j, -1:1:64j]
     >>> inside = x**2 + y**2 < 0.95
     >>> normals = np.stack([x, y, np.sqrt(np.where(inside, 1 - x**2 - y**2, 0))], axis=-1)

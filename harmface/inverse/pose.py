@@ -46,6 +46,11 @@ def pose_from_landmarks(
     shape
         Rows and columns of the photograph.
 
+    Returns
+    -------
+    tuple of Mesh and OrthographicCamera
+        The mesh turned, and a camera of the photograph's shape.
+
     Raises
     ------
     ArgumentError
@@ -100,6 +105,11 @@ def camera_from_mask(
         Where the photograph shows it; it must not be cut by the picture's edge.
     rounds
         Corrections.
+
+    Returns
+    -------
+    OrthographicCamera
+        With as many rows and columns as the mask.
 
     Raises
     ------

@@ -110,6 +110,11 @@ class LightPrior:
         degree
             At most that of the prior.
 
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Shapes (K, K) and (K,), K = (degree + 1)**2.
+
         Raises
         ------
         ArgumentError

@@ -212,6 +212,16 @@ class LightEstimate:
         Where cast shadows are known, higher degrees of the light are told, too. They would pass for
         lower ones if they were not fitted: so light is best estimated to a degree or two more than
         are wanted. Votes, fit and noise of the result are those of its own degrees.
+
+        Parameters
+        ----------
+        degree
+            Highest degree that is kept.
+
+        Returns
+        -------
+        LightEstimate
+            Of that degree; this one if it has no higher.
         """
         count = harmonic_count(degree)
         if count >= self.least_norm.shape[-1]:
@@ -234,7 +244,23 @@ class LightEstimate:
         )
 
     def irradiance(self, normals: Float[np.ndarray, "*pixels 3"]) -> Float[np.ndarray, "..."]:
-        """Return the irradiance of normals under the light, see `rendering.harmonic_irradiance`."""
+        """Return the irradiance of normals under the light, see `rendering.harmonic_irradiance`.
+
+        Parameters
+        ----------
+        normals
+            Unit normals.
+
+        Returns
+        -------
+        numpy.ndarray
+            Irradiance in the photograph's unit, `(*channels, *pixels)`.
+
+        Raises
+        ------
+        ArgumentError
+            If a normal is not of unit length.
+        """
         return harmonic_irradiance(self.least_norm, normals)
 
     def __str__(self) -> str:

@@ -47,7 +47,18 @@ class PhotographedSurface:
 
     @classmethod
     def of_normals(cls, normals: Float[np.ndarray, "H W 3"]) -> "PhotographedSurface":
-        """Return a surface of which the normals are known, without cast shadows."""
+        """Return a surface of which the normals are known, without cast shadows.
+
+        Parameters
+        ----------
+        normals
+            Unit normals, zero vectors in the background.
+
+        Returns
+        -------
+        PhotographedSurface
+            The pixels that have a normal, of unknown albedo.
+        """
         return cls(normals, (normals != 0).any(axis=-1))
 
     @classmethod
@@ -77,7 +88,23 @@ class PhotographedSurface:
         return self.mask if self.view is None else self.mask & binary_erosion(self.view.mask)
 
     def within(self, mask: Bool[np.ndarray, "H W"]) -> "PhotographedSurface":
-        """Return the surface where a mask is true as well."""
+        """Return the surface where a mask is true as well.
+
+        Parameters
+        ----------
+        mask
+            Pixels that may be kept.
+
+        Returns
+        -------
+        PhotographedSurface
+            With the smaller mask, else the same.
+
+        Raises
+        ------
+        ArgumentError
+            If the mask is of another size or misses the surface.
+        """
         if mask.shape != self.mask.shape or not (mask & self.mask).any():
             raise ArgumentError(
                 f"mask must be of {self.mask.shape} pixels and meet the surface, got {mask.shape}"
@@ -85,7 +112,18 @@ class PhotographedSurface:
         return replace(self, mask=self.mask & mask)
 
     def harmonic_irradiances(self, degree: int) -> Float[np.ndarray, "K H W"]:
-        """Return the irradiance of every pixel under each harmonic, with its cast shadows."""
+        """Return the irradiance of every pixel under each harmonic, with its cast shadows.
+
+        Parameters
+        ----------
+        degree
+            Highest degree.
+
+        Returns
+        -------
+        numpy.ndarray
+            `K = (degree + 1)**2` images in float64, 0 outside the mask.
+        """
         white = self.mask.astype(np.float64)
         if self.view is None or self.caster is None:
             return harmonic_images(self.normals.astype(np.float64), white, degree)
@@ -100,6 +138,16 @@ class PhotographedSurface:
 
         Maps and lamps are summed over directions, with cast shadows; coefficients are evaluated
         as harmonics.
+
+        Parameters
+        ----------
+        light
+            A map, lamps, or coefficients of radiance.
+
+        Returns
+        -------
+        numpy.ndarray
+            Irradiance, `(*channels, H, W)`, in the unit of the lamps' or of radiance times sr.
         """
         if isinstance(light, np.ndarray):
             degree = round(light.shape[-1] ** 0.5) - 1

@@ -21,6 +21,16 @@ def read_normal_map(path: Path | str) -> Float[np.ndarray, "H W 3"]:
 
     Zero vectors, or black pixels of a picture, are background.
 
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    numpy.ndarray
+        Unit normals, shape (H, W, 3), zero vectors in the background.
+
     Raises
     ------
     FileError
@@ -53,6 +63,16 @@ def read_normal_map(path: Path | str) -> Float[np.ndarray, "H W 3"]:
 
 def read_albedo_map(path: Path | str) -> Float[np.ndarray, "H W *channels"]:
     """Read albedo: `.npy`, rows x columns, or with three channels last; or a linear picture.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (H, W) or (H, W, 3), linear, at least 0.
 
     Raises
     ------

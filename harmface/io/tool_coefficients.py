@@ -38,6 +38,11 @@ def read_tool_coefficients(path: Path | str, tool: str) -> Float[np.ndarray, "ch
     tool
         "harmface" or a name of `light.interchange.TOOLS`.
 
+    Returns
+    -------
+    numpy.ndarray
+        Coefficients of radiance in our own frame, shape (channels, K).
+
     Raises
     ------
     ArgumentError
@@ -68,6 +73,11 @@ def tool_text(light: Float[np.ndarray, "channels K"], tool: str) -> str:
     tool
         "harmface", "glsl" or a name of `light.interchange.TOOLS`.
 
+    Returns
+    -------
+    str
+        Text that ends with a newline.
+
     Raises
     ------
     ArgumentError
@@ -97,7 +107,19 @@ def write_tool_coefficients(
 ) -> None:
     """Write lighting coefficients as a tool's file: an array if the name ends in `.npy`.
 
-    The arguments are those of `tool_text`.
+    Parameters
+    ----------
+    path
+        The file to write.
+    light
+        Coefficients.
+    tool
+        "harmface", "glsl" or a name of `light.interchange.TOOLS`.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such tool, or it cannot hold this light.
     """
     if Path(path).suffix.lower() == ".npy" and tool not in (OWN, GLSL):
         buffer = io.BytesIO()

@@ -49,6 +49,11 @@ def read_transfer(path: Path | str, mesh: Mesh) -> Transfer:
     mesh
         The mesh that it must be of.
 
+    Returns
+    -------
+    Transfer
+        For the mesh's vertices, in their order.
+
     Raises
     ------
     FileError

@@ -60,7 +60,26 @@ class NearLight(ABC):
     def unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
-        """Return coefficients and gradients of the light with radiance 1, nothing in its way."""
+        """Return coefficients and gradients of the light with radiance 1, nothing in its way.
+
+        Parameters
+        ----------
+        points
+            Places, in the light's unit of length.
+        max_degree
+            Highest degree.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
+            does not shine.
+
+        Raises
+        ------
+        ArgumentError
+            If a point lies in the light, or in the plane of a flat one.
+        """
 
     @abstractmethod
     def triangles(self) -> tuple[Float[np.ndarray, "V 3"], Integer[np.ndarray, "F 3"]]:
@@ -75,6 +94,11 @@ class NearLight(ABC):
             Where.
         max_degree
             Highest degree.
+
+        Returns
+        -------
+        Probes
+            Coefficients of radiance, `(P, *channels, K)`, and their gradients.
 
         Raises
         ------
@@ -99,6 +123,21 @@ class NearLight(ABC):
         """Return one directional light with the same light vector as at a point.
 
         It stands for the light around there as far as that is much farther than its size.
+
+        Parameters
+        ----------
+        point
+            Place, in the light's unit of length.
+
+        Returns
+        -------
+        DistantLight
+            One direction with its irradiance in each channel.
+
+        Raises
+        ------
+        ArgumentError
+            If the point is not finite, lies in the light or its plane, or receives nothing of it.
         """
         # The harmonics of degree 1 are y, z and x times their constant, that of degree 0 by sqrt 3.
         first = self.probes(np.asarray(point, float)[None], 1).coefficients[0][..., [3, 1, 2]]
@@ -157,7 +196,26 @@ class PolygonLight(NearLight):
     def unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
-        """Return coefficients and gradients of the light with radiance 1."""
+        """Return coefficients and gradients of the light with radiance 1.
+
+        Parameters
+        ----------
+        points
+            Places, in the light's unit of length.
+        max_degree
+            Highest degree.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
+            does not shine.
+
+        Raises
+        ------
+        ArgumentError
+            If a point lies in the polygon's plane.
+        """
         normal = self.area_vector / np.linalg.norm(self.area_vector)
         size = np.ptp(self.vertices, axis=0).max()
         front = _in_front(points, self.vertices[0], normal, size, "polygon")
@@ -195,7 +253,14 @@ class PolygonLight(NearLight):
         )
 
     def triangles(self) -> tuple[Float[np.ndarray, "V 3"], Integer[np.ndarray, "F 3"]]:
-        """Return its surface for ray casting."""
+        """Return its surface for ray casting.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Vertices, (V, 3), and the corners of each triangle, (F, 3), counter-clockwise from where
+            it shines.
+        """
         from mapbox_earcut import triangulate_float64
 
         across = np.linalg.svd(self.area_vector[None])[2][1:]
@@ -247,7 +312,26 @@ class DiscLight(NearLight):
     def unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
-        """Return coefficients and gradients of the light with radiance 1."""
+        """Return coefficients and gradients of the light with radiance 1.
+
+        Parameters
+        ----------
+        points
+            Places, in the light's unit of length.
+        max_degree
+            Highest degree.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
+            does not shine.
+
+        Raises
+        ------
+        ArgumentError
+            If a point lies in the plane of the disc.
+        """
         front = _in_front(points, self.center, self.normal, 2 * self.radius, "disc")
         rim, tangents = self._rim(RIM_NODES)
         seen = rim - points[front, None]
@@ -259,7 +343,14 @@ class DiscLight(NearLight):
         )
 
     def triangles(self) -> tuple[Float[np.ndarray, "V 3"], Integer[np.ndarray, "F 3"]]:
-        """Return its surface for ray casting."""
+        """Return its surface for ray casting.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Vertices, (V, 3), and the corners of each triangle, (F, 3), counter-clockwise from where
+            it shines.
+        """
         rim, _ = self._rim(RIM_NODES)
         around = np.arange(RIM_NODES)
         faces = np.stack([np.full(RIM_NODES, RIM_NODES), around, np.roll(around, -1)], axis=1)
@@ -309,6 +400,24 @@ class SphereLight(NearLight):
         """Return coefficients and gradients of the light with radiance 1.
 
         With `sin(angle) = radius / distance`, only the edge of the cone changes with the distance.
+
+        Parameters
+        ----------
+        points
+            Places, in the light's unit of length.
+        max_degree
+            Highest degree.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
+            does not shine.
+
+        Raises
+        ------
+        ArgumentError
+            If a point lies in the sphere.
         """
         offsets = self.center - points
         distances = np.linalg.norm(offsets, axis=-1)
@@ -323,7 +432,14 @@ class SphereLight(NearLight):
         return _about_axis(offsets, distances, zonal_cap(angles, max_degree), slopes)
 
     def triangles(self) -> tuple[Float[np.ndarray, "V 3"], Integer[np.ndarray, "F 3"]]:
-        """Return its surface for ray casting, of the same area."""
+        """Return its surface for ray casting, of the same area.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Vertices, (V, 3), and the corners of each triangle, (F, 3), counter-clockwise from where
+            it shines.
+        """
         from trimesh.creation import icosphere
 
         ball = icosphere(subdivisions=3)
@@ -359,7 +475,26 @@ class PointLight(NearLight):
     def unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
-        """Return coefficients and gradients of the light with intensity 1."""
+        """Return coefficients and gradients of the light with intensity 1.
+
+        Parameters
+        ----------
+        points
+            Places, in the light's unit of length.
+        max_degree
+            Highest degree.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
+            does not shine.
+
+        Raises
+        ------
+        ArgumentError
+            If a point lies where the light is.
+        """
         offsets = self.position - points
         distances = np.linalg.norm(offsets, axis=-1)
         if not distances.all():
@@ -373,7 +508,13 @@ class PointLight(NearLight):
         )
 
     def triangles(self) -> tuple[Float[np.ndarray, "V 3"], Integer[np.ndarray, "F 3"]]:
-        """Return nothing: no ray meets it."""
+        """Return nothing: no ray meets it.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            No vertices, (0, 3), and no triangles, (0, 3).
+        """
         return np.zeros((0, 3)), np.zeros((0, 3), np.int64)
 
 

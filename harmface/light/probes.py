@@ -94,6 +94,11 @@ class Probes:
         exponent
             Above 0: small for smooth mixtures, large for the nearest probe alone.
 
+        Returns
+        -------
+        numpy.ndarray
+            Coefficients of radiance, `(N, *channels, K)`.
+
         Raises
         ------
         ArgumentError
@@ -132,6 +137,11 @@ def farthest_points(candidates: Float[np.ndarray, "N 3"], count: int) -> Float[n
         Points of the object, such as its vertices.
     count
         Number of probes; the first stands at the candidates' mean.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (count, 3).
 
     Raises
     ------

@@ -78,6 +78,11 @@ def lighting_pca(
     subtract_mean
         Whether components are about the mean image, or else about black.
 
+    Returns
+    -------
+    LightingPCA
+        Variances in falling order, and components as sums of harmonics.
+
     Raises
     ------
     ArgumentError

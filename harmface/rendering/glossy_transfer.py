@@ -51,6 +51,11 @@ def glossy_transfer(
     rng
         Generator or seed.
 
+    Returns
+    -------
+    numpy.ndarray
+        A matrix for each vertex, shape (V, K, K).
+
     Raises
     ------
     ArgumentError
@@ -80,6 +85,11 @@ def glossy_radiance(
         Unit normals.
     to_camera
         Unit directions to the camera; what lies behind the surface is dark.
+
+    Returns
+    -------
+    numpy.ndarray
+        Radiance, `(V, *channels)`; 0 where the camera is behind the surface.
 
     Raises
     ------
@@ -120,12 +130,29 @@ class ClusteredTransfer:
     weights: Float[np.ndarray, "V n"]
 
     def matrices(self) -> Float[np.ndarray, "V K K"]:
-        """Return the matrices that are stood for."""
+        """Return the matrices that are stood for.
+
+        Returns
+        -------
+        numpy.ndarray
+            A matrix for each vertex, shape (V, K, K).
+        """
         change = np.einsum("vn,vnij->vij", self.weights, self.bases[self.cluster])
         return np.asarray(self.means[self.cluster] + change)
 
     def apply(self, light: Float[np.ndarray, "*channels K"]) -> Float[np.ndarray, "V *channels_K"]:
-        """Return `matrices() @ light`, a product for each component instead of each vertex."""
+        """Return `matrices() @ light`, a product for each component instead of each vertex.
+
+        Parameters
+        ----------
+        light
+            Coefficients of radiance.
+
+        Returns
+        -------
+        numpy.ndarray
+            Coefficients over the mirrored direction, `(V, *channels, K)`.
+        """
         means = np.einsum("cij,...j->c...i", self.means, light)
         bases = np.einsum("cnij,...j->cn...i", self.bases, light)
         change = np.einsum("vn,vn...i->v...i", self.weights, bases[self.cluster])
@@ -157,6 +184,11 @@ def clustered_pca(
         Most rounds; they end when the error hardly falls.
     rng
         Seed of K-means.
+
+    Returns
+    -------
+    ClusteredTransfer
+        Cluster and weights of each vertex, mean and basis of each cluster.
 
     Raises
     ------

@@ -189,6 +189,11 @@ def visibility_coefficients(
     rng
         Generator or seed.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (K, V), K = (degree + 1)**2.
+
     Raises
     ------
     ArgumentError

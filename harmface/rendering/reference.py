@@ -249,6 +249,16 @@ def reflected(
         Number from each vertex and pixel.
     rng
         Generator or seed.
+
+    Returns
+    -------
+    numpy.ndarray
+        Irradiance, `(..., H, W)`; 0 in the background.
+
+    Raises
+    ------
+    ArgumentError
+        If `bounces` is negative, or `rays` below 1.
     """
     from scipy.sparse import csr_array, vstack
 

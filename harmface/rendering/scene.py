@@ -146,6 +146,11 @@ def probes(
     size
         Side of the cube map's faces in pixels.
 
+    Returns
+    -------
+    Probes
+        Coefficients of radiance, shape (P, channels, K), and their gradients.
+
     Raises
     ------
     ArgumentError
@@ -197,6 +202,11 @@ def ray_cast_probes(
         Highest degree.
     size
         Side of the cube map's faces in pixels.
+
+    Returns
+    -------
+    Probes
+        Coefficients of radiance, shape (P, channels, K), and their gradients.
 
     Raises
     ------
@@ -254,6 +264,11 @@ def sampled_light(
         Points of each lamp, at least.
     progress
         Told the fraction done.
+
+    Returns
+    -------
+    numpy.ndarray
+        Coefficients of radiance, shape (P, channels, K).
 
     Raises
     ------

@@ -81,6 +81,16 @@ def stratified_directions(
     rng
         Random generator or seed.
 
+    Returns
+    -------
+    numpy.ndarray
+        Unit vectors, shape (strata, 2, 3).
+
+    Raises
+    ------
+    ArgumentError
+        If `strata` is below 1, or `rng` is neither generator nor seed.
+
     Examples
     --------
     >>> stratified_directions(500, 0).shape

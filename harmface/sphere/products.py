@@ -88,6 +88,11 @@ def multiplication_matrix(
     product_degree
         Degree to which the product is wanted. It has more: the sum of both.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*functions, I, K)`: rows for the other factor, columns for the product.
+
     Raises
     ------
     ArgumentError
@@ -123,6 +128,11 @@ def product(
     max_degree
         Degree to which the product is returned; by default the sum of both degrees, all of it.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*functions, K)`, K = (degree + 1)**2.
+
     Raises
     ------
     ArgumentError
@@ -153,6 +163,11 @@ def triple_product(
     ----------
     first, second, third
         Coefficients of the three; their leading axes broadcast.
+
+    Returns
+    -------
+    numpy.ndarray
+        Integrals over the sphere, shape `(*functions)`.
 
     Raises
     ------

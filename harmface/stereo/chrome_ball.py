@@ -86,6 +86,11 @@ def directions_from_mirror_sphere(
     names
         Of the photographs, for messages; numbers from 1 if not given.
 
+    Returns
+    -------
+    MirrorSphere
+        Unit directions, degrees that a pixel is worth, and the circle in pixels.
+
     Raises
     ------
     ArgumentError

@@ -43,6 +43,23 @@ def angular_errors(
 
     The chord, rather than the dot product, keeps small angles exact.
 
+    Parameters
+    ----------
+    normals
+        Unit normals.
+    truth
+        True unit normals of the same shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Angles in degrees, shape `(*pixels)`.
+
+    Raises
+    ------
+    ArgumentError
+        If a vector is not of unit length, or the shapes differ.
+
     Examples
     --------
     >>> angular_errors(np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 1.0, 0.0]])).round(6)
@@ -54,7 +71,23 @@ def angular_errors(
 
 
 def summary(errors: Float[np.ndarray, "n"]) -> AngularError:
-    """Return mean, median and percentiles of angles."""
+    """Return mean, median and percentiles of angles.
+
+    Parameters
+    ----------
+    errors
+        Angles in degrees.
+
+    Returns
+    -------
+    AngularError
+        In degrees.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no angle.
+    """
     if errors.size == 0:
         raise ArgumentError("errors must hold at least one angle, got none")
     median, p90, p99 = np.percentile(errors, [50, 90, 99])
@@ -64,7 +97,25 @@ def summary(errors: Float[np.ndarray, "n"]) -> AngularError:
 def without_convexity(
     normals: Float[np.ndarray, "p 3"], truth: Float[np.ndarray, "p 3"]
 ) -> Float[np.ndarray, "p 3"]:
-    """Return the normals, or their convex-concave counterpart (-x, -y, z) if that is nearer."""
+    """Return the normals, or their convex-concave counterpart (-x, -y, z) if that is nearer.
+
+    Parameters
+    ----------
+    normals
+        Unit normals.
+    truth
+        True unit normals of the same shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Unit normals, shape (p, 3).
+
+    Raises
+    ------
+    ArgumentError
+        If a vector is not of unit length, or the shapes differ.
+    """
     normals, truth = _checked(normals, truth)
     flipped = normals * np.array([-1, -1, 1], normals.dtype)
     return min(normals, flipped, key=lambda each: float(angular_errors(each, truth).mean()))
@@ -73,7 +124,25 @@ def without_convexity(
 def without_rotation(
     normals: Float[np.ndarray, "p 3"], truth: Float[np.ndarray, "p 3"]
 ) -> Float[np.ndarray, "p 3"]:
-    """Return the normals after the best rotation or reflection to the truth ([K76]_)."""
+    """Return the normals after the best rotation or reflection to the truth ([K76]_).
+
+    Parameters
+    ----------
+    normals
+        Unit normals.
+    truth
+        True unit normals of the same shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Unit normals, shape (p, 3).
+
+    Raises
+    ------
+    ArgumentError
+        If a vector is not of unit length, or the shapes differ.
+    """
     normals, truth = _checked(normals, truth)
     left, _, right = np.linalg.svd(truth.T @ normals)
     return normals @ (left @ right).T
@@ -86,6 +155,23 @@ def without_lorentz(
 
     It moves normals as a conformal map of the sphere; this is what images of exactly degree 1 or
     2 leave open, see `second_order`.
+
+    Parameters
+    ----------
+    normals
+        Unit normals.
+    truth
+        True unit normals of the same shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Unit normals, shape (p, 3).
+
+    Raises
+    ------
+    ArgumentError
+        If a vector is not of unit length, or the shapes differ.
     """
     normals, truth = _checked(normals, truth)
     null = np.concatenate([np.ones((1, len(normals))), normals.T])
@@ -101,6 +187,18 @@ def without_linear_map(
     With d = 3 this undoes a bas-relief or any other linear ambiguity; with the structure of a
     factorisation, d = 4 or 9, it is the *oracle*: no method that is linear in that space does
     better. See `nearest_linear_map`.
+
+    Parameters
+    ----------
+    b
+        Numbers d of each pixel, such as albedo times normal.
+    truth
+        True unit normals.
+
+    Returns
+    -------
+    numpy.ndarray
+        Unit normals, shape (p, 3).
     """
     return directions_of(b @ nearest_linear_map(b, truth).T)
 
@@ -112,6 +210,23 @@ def without_bas_relief(
 
     `n ~ (s n_x + mu n_z, s n_y + nu n_z, lambda n_z)`, s = 1 or -1: what images of a surface under
     distant lamps leave open.
+
+    Parameters
+    ----------
+    normals
+        Unit normals.
+    truth
+        True unit normals of the same shape.
+
+    Returns
+    -------
+    numpy.ndarray
+        Unit normals, shape (p, 3).
+
+    Raises
+    ------
+    ArgumentError
+        If a vector is not of unit length, or the shapes differ.
     """
     normals, truth = _checked(normals, truth)
 

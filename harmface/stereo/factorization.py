@@ -74,6 +74,11 @@ def factorize(values: Float[np.ndarray, "F p"], rank: int) -> Factorization:
     rank
         Dimensions to keep: at most the number of images and of pixels.
 
+    Returns
+    -------
+    Factorization
+        Light (F, rank) and structure (rank, p) in the dtype of `values`.
+
     Raises
     ------
     ArgumentError

@@ -23,6 +23,11 @@ def seems_upside_down(normals: Float[np.ndarray, "H W 3"], mask: Bool[np.ndarray
         Unit normals, y up.
     mask
         The surface.
+
+    Returns
+    -------
+    bool
+        False where nothing can be said.
     """
     flat = mask & (normals[..., 2] * STEEPEST > np.hypot(normals[..., 0], normals[..., 1]))
     towards = np.where(flat, normals[..., 2], 1.0)

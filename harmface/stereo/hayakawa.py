@@ -33,6 +33,11 @@ def point_source_structure(
     equal_lights
         Whether the sources are equally strong; otherwise the result is up to any linear map.
 
+    Returns
+    -------
+    numpy.ndarray
+        Albedo times normal up to that, shape (p, 3).
+
     Raises
     ------
     ArgumentError

@@ -59,6 +59,11 @@ def normals_from_directions(
     robust
         Whether outliers are to be expected among the others.
 
+    Returns
+    -------
+    numpy.ndarray
+        Albedo times normal, shape (p, 3).
+
     Raises
     ------
     ArgumentError
@@ -144,6 +149,16 @@ def normals_from_coefficients(
         Coefficients of radiance of each image, to degree 1 or higher.
     usable
         Observations that may count, lit or dark: leave out the saturated ones.
+
+    Returns
+    -------
+    numpy.ndarray
+        Albedo times normal in float64, shape (p, 3).
+
+    Raises
+    ------
+    ArgumentError
+        If a coefficient is not finite, degree 1 is missing, or images and light differ in number.
     """
     coefficients = checks.finite("coefficients", coefficients).astype(np.float64)
     if coefficients.shape[1] < 4:

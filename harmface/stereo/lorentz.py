@@ -70,6 +70,11 @@ def fit_null_cone(structure: Float[np.ndarray, "4 p"]) -> NullCone:
     structure
         Rank-4 factor, one column a pixel.
 
+    Returns
+    -------
+    NullCone
+        The form and the frame that makes it Lorentz's, both 4 x 4.
+
     Raises
     ------
     ArgumentError
@@ -114,6 +119,16 @@ def lorentz_deviation(transformation: Float[np.ndarray, "4 4"]) -> float:
 
     For one, `A^T J A = c J`; the result is the largest entry of `A^T J A / c - J`, with c the
     mean of the four that the diagonal gives.
+
+    Parameters
+    ----------
+    transformation
+        The matrix A.
+
+    Returns
+    -------
+    float
+        0 for a Lorentz transformation times a number.
 
     Examples
     --------

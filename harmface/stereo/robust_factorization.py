@@ -57,6 +57,16 @@ def factorize_robustly(
         Dimensions to keep.
     usable
         Observations that may count; all if not given.
+
+    Returns
+    -------
+    RobustFactorization
+        Light (F, rank), structure (rank, p), and each observation's weight (F, p).
+
+    Raises
+    ------
+    ArgumentError
+        On NaN, or fewer images or pixels than dimensions.
     """
     lit = np.ones(values.shape, bool) if usable is None else usable
     start = factorize(values, rank)

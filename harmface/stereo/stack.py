@@ -44,7 +44,20 @@ class ImageStack:
     def picture(
         self, values: Num[np.ndarray, "p *channels"], background: float = 0.0
     ) -> Num[np.ndarray, "H W *channels"]:
-        """Return values of the pixels as a picture, the background filled."""
+        """Return values of the pixels as a picture, the background filled.
+
+        Parameters
+        ----------
+        values
+            A row for each pixel of the mask.
+        background
+            Value outside the mask.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (H, W) or (H, W, channels), in the dtype of `values`.
+        """
         return picture(values, self.mask, background)
 
 
@@ -96,6 +109,11 @@ def image_stack(
         Value up to which a pixel counts as dark; 1 % of the 99th percentile if not given.
     saturated
         Which observations the camera clipped; none if not given.
+
+    Returns
+    -------
+    ImageStack
+        Values (F, p) of the mask's p pixels, and which of them are seen and usable.
 
     Raises
     ------

@@ -40,6 +40,11 @@ def light_figure(
         What was found.
     mask
         Where the surface is.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Four pictures above three of the light.
     """
     white = np.percentile(image[mask], WHITE) or 1.0
     fit = np.where(mask, estimate.fit, 0)

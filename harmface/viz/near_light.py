@@ -20,6 +20,11 @@ def near_light_figure(
         Radiosity by what it was made of; the last is the reference, which sets the exposure.
     errors
         Relative error of the light of some of them.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A row of pictures, their errors in the titles.
     """
     white = np.percentile(list(panels.values())[-1], 99.5)
     figure = Figure(figsize=(2.4 * len(panels), 2.8))

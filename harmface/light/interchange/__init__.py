@@ -51,6 +51,16 @@ TOOLS: dict[str, Tool] = {
 def tool_named(name: str) -> Tool:
     """Return a tool by its name.
 
+    Parameters
+    ----------
+    name
+        Name as `TOOLS` has it.
+
+    Returns
+    -------
+    Tool
+        What reads and writes its coefficients.
+
     Raises
     ------
     ArgumentError

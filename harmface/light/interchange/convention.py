@@ -26,14 +26,14 @@ class Convention:
         Flat index `k = l (l + 1) + m` of each value, the axes being the tool's own.
     factors
         By which the coefficient of radiance is multiplied to give the value.
-    frame
-        Orthogonal matrix that carries the tool's directions into ours.
-    channels_first
-        Whether an array is (channels, values), and not (values, channels).
     stored
         What the values are, in words.
     source
         Where this is read from.
+    frame
+        Orthogonal matrix that carries the tool's directions into ours.
+    channels_first
+        Whether an array is (channels, values), and not (values, channels).
     offsets
         Added to the values.
     grey
@@ -65,6 +65,11 @@ class Convention:
         ----------
         values
             The array, of the tool's shape or flat; axes of length 1 in front are left out.
+
+        Returns
+        -------
+        numpy.ndarray
+            Coefficients of radiance in our frame, shape (channels, K), float64.
 
         Raises
         ------
@@ -101,6 +106,11 @@ class Convention:
         ----------
         light
             Coefficients, of one channel or three; degrees that the tool has not are left out.
+
+        Returns
+        -------
+        numpy.ndarray
+            Of the tool's shape, float64.
 
         Raises
         ------

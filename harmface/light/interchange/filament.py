@@ -42,6 +42,11 @@ def filament_window(cutoff: float) -> Float[np.ndarray, "3"]:
     ----------
     cutoff
         Degree from which the window is zero, above 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        Factor of each degree, shape (3,).
     """
     degree = np.arange(3)
     return np.where(degree < cutoff, np.sinc(degree / cutoff) ** 4, 0)

@@ -15,7 +15,23 @@ from harmface.viz.viewer.page import Viewer, viewer
 
 
 def confidence_colours(confidence: Float[np.ndarray, "V"]) -> Float[np.ndarray, "V 3"]:
-    """Return colours of shares in [0, 1], dark blue to yellow, the same to colour-blind eyes."""
+    """Return colours of shares in [0, 1], dark blue to yellow, the same to colour-blind eyes.
+
+    Parameters
+    ----------
+    confidence
+        Share of each vertex; above 1 counts as 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        sRGB in [0, 1], shape (V, 3).
+
+    Raises
+    ------
+    ArgumentError
+        If a share is negative or not finite.
+    """
     confidence = checks.non_negative("confidence", confidence)
     return mpl.colormaps["cividis"](np.minimum(confidence, 1))[:, :3]
 
