@@ -112,16 +112,24 @@ class FramedDistance(Distance):
         mask: Bool[np.ndarray, "H W"],
         distances: Float[np.ndarray, "n N"],
     ) -> tuple[Float[np.ndarray, "n N"], list[Motion]]:
-        """Return the least distances found from those where the probes are, and the motions."""
+        """Return the distances where they are least, those where the probes are given first."""
         motions = [Motion()] * len(probes)
+        searched = self.inner.searched(model)
+        least = distances if searched is model else self.inner.distances(searched, probes, mask)
         for places, angles, sizes in zip(PLACES, ANGLES, SIZES, strict=True):
             steps = [fraction * mask.shape[0] for fraction in places]
             shifts = [Motion(x, y) for x in steps for y in steps]
             turns = [Motion(rotation=a, scale=s) for a in angles for s in sizes]
             for candidates in (shifts, turns):
-                distances, motions = self._better(
-                    model, probes, mask, distances, motions, candidates
-                )
+                least, motions = self._better(searched, probes, mask, least, motions, candidates)
+        if searched is model:
+            return least, motions
+        moved = np.array([motion != Motion() for motion in motions])
+        if not moved.any():
+            return distances, motions
+        distances = distances.copy()
+        there = [undone(probes[n], motions[n]) for n in np.flatnonzero(moved)]
+        distances[moved] = self.inner.distances(model, np.stack(there), mask)
         return distances, motions
 
     def explained(
