@@ -129,7 +129,7 @@ class Windows:
         padded = np.pad(images, ((0, 0), (by, by), (by, by)), mode="edge") if by else images
         down, right = by - offset[0], by - offset[1]
         corners = np.array(self.corners)
-        top, left = corners.T + [[down], [right]]
+        top, left = (corners + np.array([down, right])).T
         every = np.lib.stride_tricks.sliding_window_view(padded, (high, wide), axis=(1, 2))
         cut = every[:, top, left].swapaxes(0, 1).reshape(len(corners), len(images), -1)
         inside = self._inside.astype(images.dtype)

@@ -133,4 +133,3 @@ def best_method(gallery: Gallery, learning: bool | None = None) -> str:
         name = f"{RELIT}+{name}"
     fixed = gallery.aligned or min(gallery.mask.shape) == 1
     return name if fixed else f"{FRAMED}+{name}"
-
