@@ -3,7 +3,7 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -11,6 +11,7 @@ import typer
 from harmface.cli.common import (
     JsonOption,
     MaxPixelsOption,
+    SrgbOption,
     errors,
     output,
     pixel_limit,
@@ -74,28 +75,32 @@ def align(
     size: Annotated[
         str, typer.Option(metavar="HxW", help="Rows and columns of the pictures made.")
     ] = "192x168",
+    srgb: SrgbOption = False,
     max_pixels: MaxPixelsOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find faces, and bring them into one frame: photographs are turned, scaled, moved and cut.
 
     The eyes come to lie at 20 and 80 % of the width and 27 % of the height, as in the crops of
-    Extended Yale B; nothing is stretched, and edges are repeated where a photograph ends. Values
-    stay as they are stored. Photographs in one folder below PHOTOGRAPHS are of one person in one
-    sitting: they are registered to the best-lit of them, from which also those are placed in which
-    no face is found. Photographs directly in PHOTOGRAPHS are each of their own. Eyes in --points
-    are taken as they are.
+    Extended Yale B; nothing is stretched, and edges are repeated where a photograph ends. Pictures
+    are averaged in linear light, and encoded as their photographs were. Photographs in one folder
+    below PHOTOGRAPHS are of one person in one sitting: they are registered to the best-lit of them,
+    from which also those are placed in which no face is found. Photographs directly in PHOTOGRAPHS
+    are each of their own. Eyes in --points are taken as they are.
 
     Example: harmface align uncropped --out aligned
 
     Example: harmface align uncropped --points eyes.csv --size 96x84 --out aligned
     """
     from harmface.enrollment.alignment import in_frame
-    from harmface.io import output_folder, write_image
+    from harmface.io import output_folder, prepare_folder, write_image
 
     shape = rows_and_columns(size)
     assert shape is not None
     faces = _faces(photographs, out)
+    top = sorted({face.target.relative_to(out).parts[0] for face in faces})
+    if out.exists():
+        prepare_folder(out, top)
     if points is not None:
         _read_points(points, photographs, faces)
     finder = None
@@ -108,15 +113,14 @@ def align(
         sittings.setdefault(face.path if alone else face.path.parent, []).append(face)
     with progress("finding faces") as report:
         for number, sitting in enumerate(sittings.values()):
-            _place(sitting, finder, shape, limit)
+            _place(sitting, finder, shape, srgb, limit)
             report((number + 1) / len(sittings))
-    top = sorted({face.target.relative_to(out).parts[0] for face in faces})
     with output_folder(out, top), progress("writing") as report:
         for number, face in enumerate(faces):
             face.target.parent.mkdir(parents=True, exist_ok=True)
-            values, bits = _read(face.path, limit)
+            values, encoding = _read(face.path, srgb, limit)
             assert face.matrix is not None
-            write_image(face.target, in_frame(values, face.matrix, shape), bits=bits)
+            write_image(face.target, in_frame(values, face.matrix, shape), **encoding)
             report((number + 1) / len(faces))
     if as_json:
         placed = [
@@ -174,6 +178,8 @@ def _read_points(table: Path, folder: Path, faces: list[Face]) -> None:
         if len(matches) != 1:
             what = "no photograph" if not matches else f"{len(matches)} photographs"
             raise FileError(f"{table}: {name} names {what} in {folder}; give the path below it")
+        if matches[0].eyes is not None:
+            raise FileError(f"{table}: {name} is named twice; leave one of its lines out")
         matches[0].eyes, matches[0].told_by = numbers.reshape(2, 2), POINTS
 
 
@@ -188,7 +194,11 @@ def _finder(detector: Path | None) -> "EyeFinder":
 
 
 def _place(
-    sitting: list[Face], finder: "EyeFinder | None", shape: tuple[int, int], limit: int
+    sitting: list[Face],
+    finder: "EyeFinder | None",
+    shape: tuple[int, int],
+    srgb: bool,
+    limit: int,
 ) -> None:
     """Find where the faces of one sitting are."""
     from harmface.conventions import luminance
@@ -196,7 +206,7 @@ def _place(
 
     images = []
     for face in sitting:
-        values, _ = _read(face.path, limit)
+        values, _ = _read(face.path, srgb, limit)
         images.append(luminance(values) if values.ndim == 3 else values)
         rows, columns = values.shape[:2]
         if face.eyes is not None and not (
@@ -227,12 +237,16 @@ def _place(
         face.matrix = matrix
 
 
-def _read(path: Path, limit: int) -> tuple[np.ndarray, int]:
-    """Return the values of a photograph, as stored, and the bits to write them with."""
+def _read(path: Path, srgb: bool, limit: int) -> tuple[np.ndarray, dict[str, Any]]:
+    """Return the linear values of a photograph, and how to encode them as they were."""
+    from harmface.enrollment.alignment import LARGEST
     from harmface.io.pictures import read_picture
 
     picture = read_picture(path, limit)
-    values = picture.values(srgb=False)
+    values = picture.linear(srgb)
+    if max(values.shape[:2]) > LARGEST:
+        raise FileError(f"{path}: has more than {LARGEST} rows or columns; make it smaller")
     if values.min() < 0 or values.max() > 1:
         raise FileError(f"{path}: holds values outside 0 to 1; scale it")
-    return values, 8 if picture.bits == 8 else 16
+    encoded = srgb if picture.srgb is None else picture.srgb
+    return values, {"bits": 8 if picture.bits == 8 else 16, "srgb": encoded}

@@ -30,6 +30,9 @@ BLUR = 96
 AROUND = 12
 """Deviations of the Gaussian that gradients are compared within, in the height of the frame."""
 
+LARGEST = 2**15 - 1
+"""Rows and columns that OpenCV warps."""
+
 WEAK = 0.003
 """Gradient a pixel that counts half: what noise makes of even skin."""
 
@@ -47,6 +50,11 @@ def frame_to_photograph(
         Where the eyes are in the photograph, the left one in the picture first.
     size
         Rows and columns of the frame.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (2, 3): what (x, y, 1) of the frame is multiplied with.
 
     Raises
     ------
@@ -88,7 +96,22 @@ def in_frame(
         See `frame_to_photograph`.
     size
         Rows and columns of the frame.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (h, w) or (h, w, 3), in the photograph's unit.
+
+    Raises
+    ------
+    ArgumentError
+        If the photograph or the frame has more than `LARGEST` rows or columns.
     """
+    if max(*photograph.shape[:2], *size) > LARGEST:
+        raise ArgumentError(
+            f"photograph and size must have at most {LARGEST} rows and columns, got "
+            f"{photograph.shape[:2]} and {size}"
+        )
     # The photograph is smoothed first where the frame has fewer pixels, as area averages do.
     coarser = float(np.hypot(*matrix[:, 0]))
     photograph = photograph.astype(np.float32)
@@ -180,8 +203,13 @@ def place_sitting(
     Returns
     -------
     list of numpy.ndarray
-        None for a photograph that cannot be placed: its eyes are not known, and it has another size
-        than the reference.
+        Shape (2, 3) each, see `frame_to_photograph`; None for a photograph that cannot be placed:
+        its eyes are not known, and it has another size than the reference.
+
+    Raises
+    ------
+    ArgumentError
+        As `frame_to_photograph` and `in_frame`.
     """
     found = [None if own is None else frame_to_photograph(own, size) for own in eyes]
     placed = [n for n, own in enumerate(found) if own is not None]

@@ -28,6 +28,11 @@ SCORE = 0.6
 def dlib_eyes() -> EyeFinder:
     """Return dlib's frontal detector and its five points, of the `align` extra.
 
+    Returns
+    -------
+    EyeFinder
+        A function of the luminance, (H, W), of a photograph.
+
     Raises
     ------
     ArgumentError
@@ -59,6 +64,16 @@ def dlib_eyes() -> EyeFinder:
 
 def yunet_eyes(model: Path) -> EyeFinder:
     """Return OpenCV's `FaceDetectorYN` with the user's file of its network.
+
+    Parameters
+    ----------
+    model
+        An ONNX file.
+
+    Returns
+    -------
+    EyeFinder
+        A function of the luminance, (H, W), of a photograph.
 
     Raises
     ------

@@ -8,6 +8,8 @@ from PIL import Image
 
 from data_synth.faces import head
 from harmface.conventions import light_direction
+from harmface.io import write_image
+from harmface.io.pictures import read_picture
 from harmface.light import DistantLight
 from harmface.recognition import subject_photographs
 from harmface.reproduce.synthetic import mesh_of
@@ -77,11 +79,12 @@ def test_the_aligned_are_enrolled_and_recognised(run, photographs):
          [f"ann/0.png,{EYES.replace('108', '208')}", *ALL[1:]]),
         (r"eyes\.csv: carl/0\.png names no photograph in uncropped", [*ALL, f"carl/0.png,{EYES}"]),
         (r"eyes\.csv: 0\.png names 2 photographs", [*ALL, f"0.png,{EYES}"]),
+        (r"eyes\.csv: ann/0\.png is named twice", [*ALL, ALL[0]]),
         (r"eyes\.csv: must hold file,x,y,x,y", ["ann/0.png,1,2,3"]),
         (r"uncropped/ann: eyes must hold the left one in the picture first",
          ["ann/0.png,108,70,52,70", *ALL[1:]]),
     ],
-    ids=["outside", "nobody", "two", "three numbers", "swapped"],
+    ids=["outside", "nobody", "two", "twice", "three numbers", "swapped"],
 )  # fmt: skip
 def test_wrong_points_are_refused(check_refused, photographs, pattern, lines):
     write_points(photographs, *lines)
@@ -119,4 +122,30 @@ def test_a_photograph_without_a_face_is_named(check_refused, photographs, monkey
     check_refused(
         r"ann/1\.png: shows no face that can be found; give its eyes by --points",
         *("align", "uncropped", "--points", "eyes.csv", "--out", "made"),
+    )
+
+
+def test_pictures_are_encoded_as_they_were(run, photographs):
+    """One grey throughout comes out as the same linear grey, whatever the files said."""
+    (photographs / "grey").mkdir()
+    Image.new("L", (60, 60), 100).save(photographs / "grey" / "silent.png")
+    write_image(photographs / "grey" / "srgb.png", np.full((60, 60), 0.3), bits=8, srgb=True)
+    write_image(photographs / "grey" / "deep.png", np.full((60, 60), 0.3), bits=16)
+    names = ("silent", "srgb", "deep")
+    write_points(photographs, *(f"{name}.png,10,20,50,20" for name in names))
+    outcome = run("align", "grey", "--points", "eyes.csv", "--size", "24x21", "--out", "made")
+    assert outcome.code == 0, outcome.err
+    for name in names:
+        before, after = (read_picture(photographs / at / f"{name}.png") for at in ("grey", "made"))
+        assert after.bits == before.bits
+        assert np.allclose(after.linear(False), before.linear(False)[:24, :21], atol=1e-5)
+
+
+def test_a_photograph_too_large_to_warp_is_refused(check_refused, photographs):
+    (photographs / "long").mkdir()
+    Image.new("L", (2**15, 4), 100).save(photographs / "long" / "a.png")
+    write_points(photographs, "a.png,1,2,30,2")
+    check_refused(
+        "a.png: has more than 32767 rows or columns",
+        *("align", "long", "--points", "eyes.csv", "--out", "made"),
     )
