@@ -17,6 +17,7 @@ import typer
 
 from harmface import __version__
 from harmface.cli import (
+    align,
     basis,
     cluster,
     envmap,
@@ -52,6 +53,7 @@ app.command("relight")(relight.relight)
 app.command("view")(view.view)
 app.command("transfer")(transfer.transfer)
 app.command("nearlight")(nearlight.nearlight)
+app.command("align")(align.align)
 app.command("enroll")(recognition.enroll)
 app.command("recognize")(recognition.recognize)
 app.command("cluster")(cluster.cluster)

@@ -278,9 +278,9 @@ def fitted(
     from harmface.enrollment import with_relit
     from harmface.recognition import SubjectClassifier, best_method, distance_named
     from harmface.recognition.gallery import RELIT
-    from harmface.recognition.methods import BEST, wants_others
+    from harmface.recognition.methods import BEST
 
-    learns = wants_others(gallery) if method == BEST else distance_named(method).learns
+    learns = gallery.harmonic is None if method == BEST else distance_named(method).learns
     if learns and gallery.others is None:
         gallery = with_others(gallery, learn_from)
     wanted = distance_named(best_method(gallery) if method == BEST else method)

@@ -13,6 +13,7 @@ from harmface.errors import ArgumentError
 from harmface.recognition.answers import posteriors
 from harmface.recognition.distance import Distance, Model
 from harmface.recognition.evaluation import (
+    FEWEST_STRANGERS,
     Rejection,
     independence,
     rejection_by_margin,
@@ -273,12 +274,16 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     def rejection(self, rate: float = 0.01) -> Rejection:
         """Return how to tell strangers, see `rejection_by_margin`.
 
+        The gallery's own photographs play the strangers, whom it does not matter that their own
+        subject was enrolled with them. Of fewer than `FEWEST_STRANGERS` those that are held out do.
+
         Parameters
         ----------
         rate
             Wanted share of strangers that are taken for somebody.
         """
-        trials = self.held_out_ or self.known_
+        few = len(self.known_.truth) < FEWEST_STRANGERS
+        trials = self.held_out_ if few and self.held_out_ is not None else self.known_
         return rejection_by_margin(trials.distances, trials.truth, rate)
 
     def explained(

@@ -63,6 +63,13 @@ class Distance(ABC):
     def fit(self, gallery: Gallery) -> Model:
         """Return what is to be known of the subjects of a gallery."""
 
+    def searched(self, model: Model) -> Model:
+        """Return the model to search for a probe's place with, where another is better for that.
+
+        A distance that absorbs small motion need not where motion is searched for.
+        """
+        return model
+
     @abstractmethod
     def distances(
         self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]

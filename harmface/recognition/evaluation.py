@@ -21,7 +21,7 @@ from harmface.errors import ArgumentError
 RESAMPLES = 2000
 """Bootstrap samples: the ends of a 95 % interval then rest on 50 of them each."""
 
-FEWEST_STRANGERS = 20
+FEWEST_STRANGERS = 10
 """Images that two parameters of a distribution can be fitted to."""
 
 MOST_PIXELS = 1e6

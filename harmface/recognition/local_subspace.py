@@ -19,6 +19,7 @@ The constants are one setting for all galleries; lengths are fractions of the im
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -42,7 +43,7 @@ DIMENSION = 20
 """Dimension of a window's subspace: light, and the movement of the copies."""
 
 WINDOWS_PER_HEIGHT = 4
-"""Heights of a window in the image; neighbours overlap by half."""
+"""Heights of a window in the image."""
 
 SHIFTS_PER_HEIGHT = 48
 """Steps of the moved copies in the image's height."""
@@ -66,6 +67,8 @@ class Windows:
     ----------
     mask
         Pixels that take part; windows with less than half of theirs are left out.
+    per_height
+        Heights of a window in the image; neighbours overlap by half.
 
     Raises
     ------
@@ -74,6 +77,7 @@ class Windows:
     """
 
     mask: Bool[np.ndarray, "H W"]
+    per_height: int = WINDOWS_PER_HEIGHT
 
     def __post_init__(self) -> None:
         if not self.corners:
@@ -83,7 +87,7 @@ class Windows:
     def side(self) -> tuple[int, int]:
         """Rows and columns of a window."""
         rows, columns = self.mask.shape
-        side = max(2, round(rows / WINDOWS_PER_HEIGHT))
+        side = max(2, round(rows / self.per_height))
         return min(side, rows), min(max(side, 2), columns)
 
     @property
@@ -91,7 +95,7 @@ class Windows:
         """Pixels by which copies are moved."""
         return max(1, round(self.mask.shape[0] / SHIFTS_PER_HEIGHT))
 
-    @property
+    @cached_property
     def corners(self) -> list[tuple[int, int]]:
         """Top left pixel of every window."""
         (high, wide), (rows, columns) = self.side, self.mask.shape
@@ -101,6 +105,12 @@ class Windows:
             for left in _starts(columns, wide)
             if self.mask[top : top + high, left : left + wide].mean() >= 0.5
         ]
+
+    @cached_property
+    def _inside(self) -> Bool[np.ndarray, "J 1 m"]:
+        high, wide = self.side
+        every = np.lib.stride_tricks.sliding_window_view(self.mask, (high, wide))
+        return every[tuple(np.array(self.corners).T)].reshape(len(self.corners), 1, -1)
 
     def cut(
         self, images: Float[np.ndarray, "n H W"], offset: tuple[int, int] = (0, 0)
@@ -118,15 +128,11 @@ class Windows:
         by = max(abs(value) for value in offset)
         padded = np.pad(images, ((0, 0), (by, by), (by, by)), mode="edge") if by else images
         down, right = by - offset[0], by - offset[1]
-        cut = np.stack(
-            [
-                padded[:, top + down : top + down + high, left + right : left + right + wide]
-                for top, left in self.corners
-            ]
-        ).reshape(len(self.corners), len(images), -1)
-        inside = np.stack(
-            [self.mask[top : top + high, left : left + wide].ravel() for top, left in self.corners]
-        )[:, None].astype(images.dtype)
+        corners = np.array(self.corners)
+        top, left = (corners + np.array([down, right])).T
+        every = np.lib.stride_tricks.sliding_window_view(padded, (high, wide), axis=(1, 2))
+        cut = every[:, top, left].swapaxes(0, 1).reshape(len(corners), len(images), -1)
+        inside = self._inside.astype(images.dtype)
         mean = (cut * inside).sum(axis=-1, keepdims=True) / inside.sum(axis=-1, keepdims=True)
         return (cut - mean) * inside
 
@@ -152,9 +158,7 @@ def local_basis(
 ) -> Float[np.ndarray, "J d m"]:
     """Return a subject's subspace of every window, its rows scaled for ridge regression.
 
-    With the window's images `A`, of singular values `s_i` and right singular vectors `v_i`, the
-    least `|x - A^T c|^2 + lambda |c|^2` over `c` is `|x|^2 - sum_i (b_i . x)^2` with rows
-    `b_i = v_i s_i / sqrt(s_i^2 + lambda)`. They are the rows returned, the strongest first.
+    See `ridge_rows`.
 
     Parameters
     ----------
@@ -168,16 +172,40 @@ def local_basis(
     step = windows.shift
     moves = [(0, 0)] if aligned else [(0, 0), (step, 0), (-step, 0), (0, step), (0, -step)]
     cut = np.concatenate([windows.cut(logarithms, move) for move in moves], axis=1)
-    cut = cut.astype(np.float64)
-    # The eigenvectors of the small matrix of inner products give the singular vectors.
-    energy, mixing = np.linalg.eigh(cut @ cut.swapaxes(1, 2))
-    energy, mixing = energy[:, ::-1][:, :DIMENSION], mixing[:, :, ::-1][:, :, :DIMENSION]
-    noise = cut.shape[-1] * CONTRAST_NOISE**2
-    ridge = RIDGE * np.maximum(energy[:, :1], noise)
-    scale = 1 / np.sqrt(np.maximum(energy, 0) + ridge)
-    rows = (mixing * scale[:, None]).swapaxes(1, 2) @ cut
+    rows = ridge_rows(cut, cut.shape[-1] * CONTRAST_NOISE**2)
     missing = DIMENSION - rows.shape[1]
-    return np.pad(rows, ((0, 0), (0, max(missing, 0)), (0, 0))).astype(np.float32)
+    return np.pad(rows, ((0, 0), (0, missing), (0, 0)))
+
+
+def ridge_rows(
+    vectors: Float[np.ndarray, "J n m"], weakest: float = 0.0
+) -> Float[np.ndarray, "J d m"]:
+    """Return rows that tell how much of a vector a ridge regression on others explains.
+
+    With the vectors `A`, of singular values `s_i` and right singular vectors `v_i`, the least
+    `|x - A^T c|^2 + lambda |c|^2` over `c` is `|x|^2 - sum_i (b_i . x)^2` with rows
+    `b_i = v_i s_i / sqrt(s_i^2 + lambda)`. They are the rows returned, the strongest first.
+
+    Parameters
+    ----------
+    vectors
+        What is regressed on, in each of several windows.
+    weakest
+        Energy of vectors that are no more than noise.
+
+    Returns
+    -------
+    numpy.ndarray
+        As many rows as there are vectors, `DIMENSION` at most, in single precision.
+    """
+    vectors = vectors.astype(np.float64)
+    # The eigenvectors of the small matrix of inner products give the singular vectors.
+    energy, mixing = np.linalg.eigh(vectors @ vectors.swapaxes(1, 2))
+    energy, mixing = energy[:, ::-1][:, :DIMENSION], mixing[:, :, ::-1][:, :, :DIMENSION]
+    ridge = RIDGE * np.maximum(energy[:, :1], weakest)
+    scale = 1 / np.sqrt(np.maximum(energy, 0) + ridge)
+    rows = (mixing * scale[:, None]).swapaxes(1, 2) @ vectors
+    return rows.astype(np.float32)
 
 
 def local_distances(

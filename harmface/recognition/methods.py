@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from harmface.errors import ArgumentError
 from harmface.recognition import baselines
 from harmface.recognition.distance import Distance
@@ -18,10 +16,6 @@ from harmface.recognition.normalizers import NORMALIZERS, NormalizedDistance
 from harmface.recognition.robust import RobustDistance
 from harmface.recognition.spanned import SubspaceDistance
 from harmface.recognition.whitened import WhitenedDistance
-
-ENOUGH = 7
-"""Photographs of a person that tell its looks by themselves: 7 frontal ones did on real and on
-procedural faces alike."""
 
 BEST = "best"
 """The method to use, whatever the gallery holds."""
@@ -119,10 +113,10 @@ def distance_named(name: str) -> Distance:
 def best_method(gallery: Gallery, learning: bool | None = None) -> str:
     """Return the name of the method to use with a gallery.
 
-    Of meshes it is what told procedural heads apart by the widest margin; of few photographs a
-    person, `whitened`, where there are other people to learn from; of more photographs under known
-    light, `local` with relit photographs; of others, `local`. Each is searched for how probes are
-    framed, but of photographs that are aligned, or of one row, which is no picture.
+    Of meshes it is what told procedural heads apart by the widest margin; of photographs
+    `whitened`, where there are other people to learn from, and `local` where there are none, under
+    known light with relit photographs. Each is searched for how probes are framed, but of
+    photographs that are aligned, or of one row, which is no picture.
 
     Parameters
     ----------
@@ -134,14 +128,8 @@ def best_method(gallery: Gallery, learning: bool | None = None) -> str:
     if gallery.harmonic is not None:
         return f"{FRAMED}+25d"
     learning = gallery.others is not None if learning is None else learning
-    if learning and wants_others(gallery):
-        name = "whitened"
-    else:
-        name = "local" if gallery.lights is None else "relit+local"
+    name = "whitened" if learning else "local"
+    if gallery.lights is not None:
+        name = f"{RELIT}+{name}"
     fixed = gallery.aligned or min(gallery.mask.shape) == 1
     return name if fixed else f"{FRAMED}+{name}"
-
-
-def wants_others(gallery: Gallery) -> bool:
-    """Return whether other people tell more of somebody's looks than the few photographs do."""
-    return gallery.harmonic is None and int(np.bincount(gallery.which).min()) < ENOUGH

@@ -22,6 +22,7 @@ COMMANDS = [
     ("transfer",),
     ("nearlight",),
     ("synth", "scene"),
+    ("align",),
     ("enroll",),
     ("recognize",),
     ("reproduce",),

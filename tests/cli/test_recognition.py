@@ -213,7 +213,7 @@ def test_photographs_are_enrolled_and_recognised(run, people, tmp_path):
     assert "3 subjects, 24 photographs at 48 x 42 pixels" in outcome.out
     enrolled = read_gallery(tmp_path / "g.npz")
     assert enrolled.gallery_.facts["files"][:2] == ["ann/0.png", "ann/1.png"]
-    assert enrolled.method == "framed+local"
+    assert enrolled.method == "framed+whitened"
     for method in ("local", "subspace", "equalized+correlation", "gradient-direction"):
         arguments = ("recognize", "g.npz", "probe.png", "--method", method, "--reject", 0.1)
         record = json.loads(run(*arguments, "--figure", "why.png", "--json").out)

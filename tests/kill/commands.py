@@ -19,6 +19,7 @@ COMMANDS = {
     "transfer": "transfer ball.ply --degree 1 --samples 128 --out t.npz",
     "synth scene": "synth scene --out s.toml",
     "nearlight": "nearlight ball.ply --scene scene.toml --size 16 --figure f.png --out n.png",
+    "align": "align people --points eyes.csv --size 8x7 --out out",
     "enroll meshes": "enroll ball.ply --size 16 --out g.npz",
     "enroll photographs": "enroll people --method nearest --out g.npz",
     "recognize": "recognize people.npz people/a/0.png --figure why.png",
@@ -69,6 +70,8 @@ def prepare(folder: Path) -> None:
         (folder / "people" / name).mkdir(parents=True)
         for number, image in enumerate(stack):
             _save(folder / "people" / name / f"{number}.png", image)
+    eyes = [f"{name}/{number}.png,2,4,8,4\n" for name in "abc" for number in range(5)]
+    (folder / "eyes.csv").write_text("".join(eyes))
     photographs = Photographs(np.repeat(list("abc"), 5), people.reshape(15, 12, 10))
     gallery = Gallery(photographs, photographs.everywhere)
     write_gallery(folder / "people.npz", SubjectClassifier.from_gallery(gallery, "nearest"))

@@ -7,7 +7,7 @@ import pytest
 from data_synth.faces import head
 from data_synth.lightings import yale64
 from harmface.geometry import OrthographicCamera, gbuffer
-from harmface.recognition import Gallery, Photographs, SubjectClassifier
+from harmface.recognition import Gallery, Photographs, SubjectClassifier, margins
 from harmface.recognition.framed import FramedDistance, misframed
 from harmface.recognition.local_subspace import LocalDistance
 from harmface.recognition.registration import Motion
@@ -92,11 +92,25 @@ def test_most_photographs_in_place_are_left_there(gallery):
     model = distance.fit(gallery.chosen(known))
     motions = distance.search(model, images[~known], gallery.mask)[1]
     assert np.mean([motion == Motion() for motion in motions]) >= 0.7
-    anywhere = {**model, "ratio_in_place": np.array(1.0)}
-    freely = distance.search(anywhere, images[~known], gallery.mask)[1]
-    assert sum(motion != Motion() for motion in freely) > sum(
-        motion != Motion() for motion in motions
-    )
+
+
+def test_a_probe_is_moved_only_if_it_is_told_apart_more_clearly(gallery, faces):
+    """Of noise and light from the side some places are nearer, but nearer to all alike."""
+    distance = FramedDistance()
+    model = {**distance.fit(gallery), "ratio_in_place": np.array(1.0)}
+    probes = cropped(faces[:, len(KNOWN) :]).reshape(-1, *SHAPE)
+    noise = np.random.default_rng(0).standard_normal(probes.shape)
+    probes = np.maximum(probes + 0.15 * noise, 0).astype(np.float32)
+    before = distance.inner.distances(model, probes, gallery.mask)
+    found, motions = distance.search(model, probes, gallery.mask)
+    moved = np.array([motion != Motion() for motion in motions])
+    nearest = distance._nearest(model, probes, gallery.mask, before)[0]
+    nearer = nearest.min(axis=1) < before.min(axis=1)
+    assert (margins(found)[moved] > margins(before)[moved]).all()
+    assert (nearer & ~moved).any()
+    assert np.array_equal(found[~moved], before[~moved])
+    nowhere = {**model, "ratio_in_place": np.array(0.0)}
+    assert {*distance.search(nowhere, probes, gallery.mask)[1]} == {Motion()}
 
 
 def test_without_photographs_to_try_any_nearer_place_will_do(gallery):
