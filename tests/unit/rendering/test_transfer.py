@@ -212,12 +212,12 @@ def test_stratified_directions_are_uniform_and_apart():
 def test_nonsense_is_refused():
     mesh = bowl(0.5, 16)
     for match, given in {
-        "degree must be 0": {"degree": -1},
-        "bounces must be 0": {"degree": 1, "bounces": -1},
-        "samples must be even": {"degree": 1, "samples": 101},
-        "albedo must have a value for each": {"degree": 1, "albedo": np.ones(3)},
+        "max_degree must be 0": {"max_degree": -1},
+        "bounces must be 0": {"max_degree": 1, "bounces": -1},
+        "samples must be even": {"max_degree": 1, "samples": 101},
+        "albedo must have a value for each": {"max_degree": 1, "albedo": np.ones(3)},
         "albedo must be at most 1": {
-            "degree": 1,
+            "max_degree": 1,
             "bounces": 1,
             "albedo": np.full(len(mesh.vertices), 1.5),
         },
