@@ -27,7 +27,6 @@ from data_synth.faces import head
 from data_synth.lightings import mixed, yale64
 from data_synth.shapes import bumpy_sphere, sphere
 from harmface.geometry import frame_orthographic, gbuffer
-from harmface.geometry.visibility import OFFSET
 from harmface.inverse import estimate_light
 from harmface.light import EnvironmentMap, PolygonLight, project, published_probe
 from harmface.light.area_lights import EDGE_NODES
@@ -226,7 +225,7 @@ def precomputed() -> list[tuple[str, float, str]]:
     directions = stratified_directions(512, 0).reshape(-1, 3).astype(np.float32)
     some = np.arange(0, len(mesh.vertices), 20)
     direction, point = np.nonzero(directions @ mesh.normals[some].astype(np.float32).T > 0)
-    off = mesh.vertices[some] + OFFSET * mesh.rays.radius * mesh.normals[some]
+    off = mesh.vertices[some] + 1e-4 * mesh.rays.radius * mesh.normals[some]
     starts, rays = mesh.rays.local(off)[point], directions[direction]
 
     def bare() -> None:

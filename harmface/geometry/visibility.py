@@ -9,10 +9,11 @@ from harmface import checks
 from harmface.errors import ArgumentError
 from harmface.geometry.mesh import Mesh
 
-OFFSET = 1e-3
-"""How far rays start off the surface, as a fraction of the mesh's radius: beyond the single
-precision of Embree and the mean of a pixel's samples, which lies in the surface; below any relief
-that a shadow could be told by."""
+OFFSET = 1e-4
+"""How far rays start off the surface, as a fraction of the mesh's radius: well beyond the single
+precision of Embree. On a smooth surface of 8,000 vertices, where normals between the vertices are
+not those of the facets, no point then hides more than a part in 20,000 of its own sky; ten times
+nearer it is a part in 2,000."""
 
 CHUNK = 2**20
 """Rays cast at a time: 40 MB of arrays."""

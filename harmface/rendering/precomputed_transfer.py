@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 SAMPLES = 4096
 """Directions over the sphere. Of the light in a hemispherical bowl, which hides half of the sky,
-they tell the mean to 0.2 % and each point's to 0.5 % (one standard deviation)."""
+they tell the mean to 0.1 % and each point's to 0.5 % (one standard deviation)."""
 
 PAIRS = 2**21
 """Pairs of direction and point treated at a time, half of which are rays: 100 MB of arrays."""
