@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 import typer
 
-from harmface.cli.common import claim_outputs, errors, output, progress, told
+from harmface import checks
+from harmface.cli.common import MaxDegreeOption, claim_outputs, errors, output, progress, told
 from harmface.cli.mesh_options import MeshArgument, MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError
@@ -26,7 +27,7 @@ MUCH_BACK = 0.02
 def transfer(
     mesh: MeshArgument,
     out: Annotated[Path, typer.Option(help="NPZ file: transfer (channels,K,V), standard_errors.")],
-    degree: Annotated[int, typer.Option(help="Highest degree of the light.")] = 4,
+    max_degree: MaxDegreeOption = 4,
     bounces: Annotated[
         str,
         typer.Option(metavar="N|all", help="How often light goes from the surface to itself."),
@@ -43,7 +44,7 @@ def transfer(
     Cast shadows and light that the surface reflects to itself are in it; `render --transfer` shows
     the mesh under any environment by it. A run that was stopped goes on where it was.
 
-    Example: harmface transfer head.glb --degree 4 --bounces 2 --out transfer.npz
+    Example: harmface transfer head.glb --max-degree 4 --bounces 2 --out transfer.npz
     """
     from harmface.io import write_transfer
     from harmface.io.parts import Parts, digest
@@ -51,12 +52,13 @@ def transfer(
     from harmface.rendering import transfer as precomputed
     from harmface.rendering.precomputed_transfer import SAMPLES
 
+    checks.degree("--max-degree", max_degree)
     number = _bounces(bounces)
     samples = SAMPLES if samples is None else samples
     claim_outputs(out, inputs=mesh_reading.files(mesh))
     surface = mesh_reading.load(mesh)
     tell_defects(mesh.name, surface)
-    request = {"mesh": mesh_digest(surface), "degree": degree, "samples": samples, "seed": seed}
+    request = {"mesh": mesh_digest(surface), "degree": max_degree, "samples": samples, "seed": seed}
     key = digest({**request, "bounces": number}, {"albedo": surface.albedo})
     parts = Parts(out.parent, key, out.name)
 
@@ -64,7 +66,7 @@ def transfer(
     with progress("casting rays") as report:
         found = precomputed(
             surface,
-            degree,
+            max_degree,
             bounces=number,
             albedo=albedo,
             samples=samples,

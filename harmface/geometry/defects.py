@@ -3,9 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Integer
 
 from harmface.geometry.mesh import Mesh
-from harmface.geometry.two_sided import same_places
+
+SAME = 1e-7
+"""Distance of vertices at one place, in radii of the mesh: the rounding of single precision."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ def mesh_defects(mesh: Mesh) -> Defects:
     Defects(open_edges=3, degenerate_faces=0, inward_faces=0)
     """
     degenerate = ~mesh.face_normals.any(axis=1)
-    places = same_places(mesh.vertices)[mesh.faces[~degenerate]]
+    places = _places(mesh)[mesh.faces[~degenerate]]
     edges = np.sort(np.stack([places, np.roll(places, -1, axis=1)], axis=-1), axis=-1)
     _, counts = np.unique(edges.reshape(-1, 2), axis=0, return_counts=True)
     facing = np.einsum("fi,fci->fc", mesh.face_normals, mesh.normals[mesh.faces])
@@ -59,3 +62,15 @@ def mesh_defects(mesh: Mesh) -> Defects:
         int(np.count_nonzero(degenerate)),
         int(np.count_nonzero((facing < 0).all(axis=1))),
     )
+
+
+def _places(mesh: Mesh) -> Integer[np.ndarray, "V"]:
+    """Return a number for each vertex, the same for all at one place but for rounding."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import KDTree
+
+    count = len(mesh.vertices)
+    pairs = KDTree(mesh.vertices).query_pairs(SAME * mesh.rays.radius, output_type="ndarray")
+    graph = coo_array((np.ones(len(pairs), bool), tuple(pairs.T)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])

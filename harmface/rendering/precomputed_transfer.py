@@ -71,7 +71,7 @@ class Transfer:
 
 def transfer(
     mesh: Mesh,
-    degree: int,
+    max_degree: int,
     *,
     view: GBuffer | None = None,
     bounces: int | Literal["all"] = 0,
@@ -95,7 +95,7 @@ def transfer(
     ----------
     mesh
         The surface. It is seen from its outer side only.
-    degree
+    max_degree
         Highest degree of the light.
     view
         Where to find the transfer; by default at the vertices.
@@ -123,7 +123,7 @@ def transfer(
     ArgumentError
         If an argument is out of range, or light never gets out of the mesh again.
     """
-    degree = checks.degree("degree", degree)
+    max_degree = checks.degree("max_degree", max_degree)
     if bounces != "all":
         bounces = checks.integer("bounces", bounces, 0)
     if checks.positive_integer("samples", samples) % 2:
@@ -139,7 +139,7 @@ def transfer(
             f"albedo must be at most 1, got {albedo.max():.4g}: with bounces, light would grow "
             "without end; divide it by the largest"
         )
-    parts = _Parts(mesh, degree, stratified_directions(samples // 2, rng), bounces != 0, keep)
+    parts = _Parts(mesh, max_degree, stratified_directions(samples // 2, rng), bounces != 0, keep)
     points, normals = mesh.vertices, mesh.normals
     if view is not None:
         points, normals = view.position[view.mask], view.normals[view.mask]
@@ -167,7 +167,7 @@ def transfer(
 
 def visibility_coefficients(
     mesh: Mesh,
-    degree: int,
+    max_degree: int,
     *,
     samples: int = SAMPLES,
     rng: np.random.Generator | int = 0,
@@ -182,7 +182,7 @@ def visibility_coefficients(
     ----------
     mesh
         The surface.
-    degree
+    max_degree
         Highest degree.
     samples
         Number of directions over the whole sphere, even.
@@ -199,12 +199,17 @@ def visibility_coefficients(
     ArgumentError
         If an argument is out of range.
     """
-    each = degrees(checks.degree("degree", degree))
+    each = degrees(checks.degree("max_degree", max_degree))
     directions = stratified_directions(max(1, samples // 2), rng).reshape(-1, 3)
-    weighted = real_harmonics(directions, degree) * (4 * np.pi / len(directions))
+    weighted = real_harmonics(directions, max_degree) * (4 * np.pi / len(directions))
     # A half-space's own coefficients are known; only what else hides the sky is sampled.
-    zonal = hemisphere(np.array([0.0, 0.0, 1.0]), 1.0, degree) * lambda_normalization(degree)[each]
-    found = zonal[each * (each + 1), None] * real_harmonics(mesh.normals.astype(np.float64), degree)
+    zonal = (
+        hemisphere(np.array([0.0, 0.0, 1.0]), 1.0, max_degree)
+        * lambda_normalization(max_degree)[each]
+    )
+    found = zonal[each * (each + 1), None] * real_harmonics(
+        mesh.normals.astype(np.float64), max_degree
+    )
     for some in _blocks(len(mesh.vertices), len(directions)):
         points, normals = mesh.vertices[some], mesh.normals[some]
         hidden = (directions @ normals.T > 0) & ~visible(mesh, points, normals, directions)

@@ -89,7 +89,7 @@ def test_bad_input_is_refused(run, bowl, check_refused, tmp_path):
     transfer = ("transfer", bowl, "--out", "t.npz")
     check_refused_out = [
         ("--bounces must be a whole number or all", "--bounces", "some"),
-        ("degree must be 0 or more", "--degree", -1),
+        ("--max-degree must be 0 or more", "--max-degree", -1),
         ("samples must be even", "--samples", 33),
     ]
     for pattern, *arguments in check_refused_out:

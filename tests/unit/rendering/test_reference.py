@@ -155,6 +155,21 @@ def test_a_convex_mesh_reflects_nothing_to_itself():
     assert not reflected(BALL, VIEW, light, 2, rays=32).any()
 
 
+def test_inner_sides_reflect_nothing():
+    # A dome seen from outside over a patch of floor that looks up into it.
+    dome = mesh_of(half_sphere(16))
+    floor = np.array([[-0.5, -0.5, 0.1], [0.5, -0.5, 0.1], [0.0, 0.5, 0.1]])
+    inside = Mesh(
+        np.concatenate([dome.vertices, floor]),
+        np.concatenate([dome.faces, [np.arange(3) + len(dome.vertices)]]),
+        np.concatenate([dome.normals, UP.repeat(3, axis=0)]),
+        np.full((len(dome.vertices) + 3, 3), 0.5),
+    )
+    patch = Mesh(floor, np.array([[0, 1, 2]]), UP.repeat(3, axis=0), np.full((3, 3), 0.5))
+    view = gbuffer(patch, frame_orthographic(patch, 8))
+    assert not reflected(inside, view, DistantLight(UP, np.ones((1, 1))), 1, rays=64).any()
+
+
 def test_reflections_want_whole_numbers():
     light = DistantLight(UP, np.ones((1, 1)))
     with pytest.raises(ArgumentError, match="bounces must be 0"):

@@ -29,7 +29,7 @@ def areas(mesh):
     return np.bincount(mesh.faces.ravel(), np.repeat(area / 6, 3), len(mesh.vertices))
 
 
-def corner(d, length=60.0):
+def corner(d, length=8.0):
     """A point of the floor z = 0 beside a wall of height 1 in the plane x = 0, as a mesh."""
     wall = [[0, -length, 0], [0, length, 0], [0, length, 1], [0, -length, 1]]
     floor = [[d - 0.1, -0.1, 0], [d + 0.1, -0.1, 0], [d, 0.1, 0]]
@@ -101,12 +101,15 @@ def test_each_bounce_in_a_bowl_adds_its_term_to_degree_0_and_nothing_to_other_or
 @pytest.mark.parametrize("d", [0.3, 1.0, 3.0])
 def test_a_wall_hides_what_its_height_says(d):
     found = transfer(corner(d), 0, samples=16384)
-    expected = 2 * HALF * (1 - (1 - d / np.hypot(d, 1)) / 2)
-    error = np.abs(found.coefficients[0, 4:] - expected)
-    # The corners of the triangle lie 0.1 nearer, farther, and in the middle.
-    middle = found.coefficients[0, 6] - expected
-    assert abs(middle) < max(3 * found.standard_errors[0, 6], 0.005 * expected)
-    assert error.max() > abs(middle)
+    # What half of an upright rectangle hides of the floor; together (1 - d / hypot) / 2 where
+    # the wall has no end.
+    slant = np.hypot(d, 1)
+    hidden = (np.arctan(8 / d) - d / slant * np.arctan(8 / slant)) / np.pi
+    assert hidden == pytest.approx((1 - d / slant) / 2, rel=0.03)
+    expected = 2 * HALF * (1 - hidden)
+    assert abs(found.coefficients[0, 6] - expected) < 0.005 * expected
+    # The other corners of the triangle are nearer and farther.
+    assert found.coefficients[0, 4] < found.coefficients[0, 6] < found.coefficients[0, 5]
 
 
 def test_channels_of_albedo_bounce_apart():
@@ -209,12 +212,12 @@ def test_stratified_directions_are_uniform_and_apart():
 def test_nonsense_is_refused():
     mesh = bowl(0.5, 16)
     for match, given in {
-        "degree must be 0": {"degree": -1},
-        "bounces must be 0": {"degree": 1, "bounces": -1},
-        "samples must be even": {"degree": 1, "samples": 101},
-        "albedo must have a value for each": {"degree": 1, "albedo": np.ones(3)},
+        "max_degree must be 0": {"max_degree": -1},
+        "bounces must be 0": {"max_degree": 1, "bounces": -1},
+        "samples must be even": {"max_degree": 1, "samples": 101},
+        "albedo must have a value for each": {"max_degree": 1, "albedo": np.ones(3)},
         "albedo must be at most 1": {
-            "degree": 1,
+            "max_degree": 1,
             "bounces": 1,
             "albedo": np.full(len(mesh.vertices), 1.5),
         },
