@@ -173,7 +173,10 @@ def recognize(
         )
     with errors.status("comparing"):
         distances, motions = classifier.placed(probes.reshape(len(probes), -1))
-        rejection = None if reject is None else asdict(classifier.rejection(reject))
+        rejection, in_place = None, None
+        if reject is not None:
+            rejection = asdict(classifier.rejection(reject))
+            in_place = margins(classifier.distances_in_place(probes.reshape(len(probes), -1)))
     names = [str(name) for name in classifier.classes_]
     margin = margins(distances) if len(names) > 1 else None
     chances = classifier.probabilities(distances) if classifier.calibrated else None
@@ -194,8 +197,9 @@ def recognize(
         if motions is not None:
             result["framing"] = asdict(motions[row])
             _tell_framing(path, motions[row], enrolled.mask.shape[0])
-        if rejection is not None:
-            result["known"] = result["margin"] > rejection["least_margin"]
+        if rejection is not None and in_place is not None:
+            result["margin_in_place"] = float(in_place[row])
+            result["known"] = result["margin_in_place"] > rejection["least_margin"]
         results.append(result)
     if figure is not None:
         _draw(figure, classifier, paths, probes, distances)
@@ -311,4 +315,5 @@ def _print_answer(result: dict[str, Any], rejection: dict[str, float] | None) ->
             f"{rejection['least_margin']:.1%}, by {rejection['strangers']} images)"
         )
     if result["margin"] is not None:
-        output.print(f"margin {result['margin']:.1%}{verdict}", highlight=False, soft_wrap=True)
+        shown = result.get("margin_in_place", result["margin"])
+        output.print(f"margin {shown:.1%}{verdict}", highlight=False, soft_wrap=True)

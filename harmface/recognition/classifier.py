@@ -211,6 +211,17 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         mask = self.gallery_.mask
         return self.distance_.distances(self.model_, X.reshape(-1, *mask.shape), mask)
 
+    def distances_in_place(self, X: Any) -> Float[np.ndarray, "n N"]:
+        """Return the distance of every image as it lies, even if the method searches for its place.
+
+        Strangers are told by these: under the best of many places a stranger comes near to
+        somebody, too, which the photographs that `rejection` rests on were not let do.
+        """
+        check_is_fitted(self)
+        X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
+        mask = self.gallery_.mask
+        return self.distance_.of_framed.distances(self.model_, X.reshape(-1, *mask.shape), mask)
+
     def placed(self, X: Any) -> tuple[Float[np.ndarray, "n N"], "list[Motion] | None"]:
         """Return the `distances`, and how each image lies against the frame of the gallery.
 
@@ -275,7 +286,8 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Return how to tell strangers, see `rejection_by_margin`.
 
         The gallery's own photographs play the strangers, whom it does not matter that their own
-        subject was enrolled with them. Of fewer than `FEWEST_STRANGERS` those that are held out do.
+        subject was enrolled with them. They are compared as they lie, and probes are to be, see
+        `distances_in_place`. Of fewer than `FEWEST_STRANGERS` those that are held out do.
 
         Parameters
         ----------

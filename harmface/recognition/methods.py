@@ -34,6 +34,12 @@ def _lbph() -> Distance:
     return LbphDistance()
 
 
+def _dlib() -> Distance:
+    from harmface.recognition.peers import DlibDistance
+
+    return DlibDistance()
+
+
 METHODS: dict[str, Callable[[], Distance]] = {
     "local": LocalDistance,
     "whitened": WhitenedDistance,
@@ -56,6 +62,7 @@ METHODS: dict[str, Callable[[], Distance]] = {
     "fisherfaces": baselines.FisherfacesDistance,
     "gradient-direction": baselines.GradientDirectionDistance,
     "lbph": _lbph,
+    "dlib": _dlib,
 }
 """Distances by name: to photographs, but those with a dimension in their name are to harmonic
 images, with attached shadows up to 9 dimensions and with cast shadows beyond."""
@@ -128,8 +135,7 @@ def best_method(gallery: Gallery, learning: bool | None = None) -> str:
     if gallery.harmonic is not None:
         return f"{FRAMED}+25d"
     learning = gallery.others is not None if learning is None else learning
-    name = "whitened" if learning else "local"
-    if gallery.lights is not None:
-        name = f"{RELIT}+{name}"
+    alone = "local" if gallery.lights is None else f"{RELIT}+local"
+    name = "whitened" if learning else alone
     fixed = gallery.aligned or min(gallery.mask.shape) == 1
     return name if fixed else f"{FRAMED}+{name}"

@@ -4,7 +4,6 @@ from sklearn.base import clone
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import FunctionTransformer
 
-from data_synth.faces import head
 from data_synth.lightings import yale64
 from harmface.errors import ArgumentError
 from harmface.recognition import (
@@ -14,7 +13,7 @@ from harmface.recognition import (
     subject_photographs,
 )
 from harmface.recognition.illumination_cone import ConeDistance
-from harmface.reproduce.synthetic import light_of, mesh_of
+from harmface.reproduce.synthetic import light_of
 
 SIZE = 48
 SUBSET = yale64().subset
@@ -22,11 +21,8 @@ NAMES = [f"subject {seed}" for seed in range(6)]
 
 
 @pytest.fixture(scope="module")
-def meshes():
-    return {
-        name: mesh_of(head(seed, n_vertices=5000, identity_scale=0.5))
-        for seed, name in enumerate(NAMES)
-    }
+def meshes(similar_heads):
+    return {name: similar_heads[name] for name in NAMES}
 
 
 @pytest.fixture(scope="module")

@@ -126,6 +126,15 @@ def test_the_gallery_itself_is_not_searched(gallery):
     assert plain.placed(gallery.photographs.images[:1].reshape(1, -1))[1] is None
 
 
+def test_strangers_are_told_where_probes_lie(gallery, faces):
+    rows = cropped(np.roll(faces[:, -1], 3, axis=2)).reshape(SUBJECTS, -1)
+    framed = SubjectClassifier.from_gallery(gallery, "framed+local")
+    in_place = framed.distances_in_place(rows)
+    plain = SubjectClassifier.from_gallery(gallery, "local")
+    assert np.array_equal(in_place, plain.distances(rows))
+    assert not np.array_equal(in_place, framed.distances(rows))
+
+
 def test_what_counts_as_misframed():
     assert not misframed(Motion(), 48)
     assert not misframed(Motion(1.0, -1.0, 1.5, 1.02), 48)

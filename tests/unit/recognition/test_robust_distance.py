@@ -5,7 +5,6 @@ from sklearn.exceptions import NotFittedError
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import FunctionTransformer
 
-from data_synth.faces import head
 from data_synth.lightings import yale64
 from harmface.recognition import (
     RobustDistance,
@@ -13,7 +12,7 @@ from harmface.recognition import (
     enroll,
     subject_photographs,
 )
-from harmface.reproduce.synthetic import light_of, mesh_of
+from harmface.reproduce.synthetic import light_of
 
 SIZE = 32
 SUBJECTS = [f"subject {seed}" for seed in range(8)]
@@ -21,26 +20,17 @@ LIT = np.flatnonzero(yale64().subset >= 3)
 
 
 @pytest.fixture(scope="module")
-def meshes():
-    """Heads that resemble each other."""
-    return {
-        name: mesh_of(head(seed, n_vertices=5000, identity_scale=0.5))
-        for seed, name in enumerate(SUBJECTS)
-    }
+def gallery(similar_heads):
+    return enroll(similar_heads, SIZE, cast_shadows=False)
 
 
 @pytest.fixture(scope="module")
-def gallery(meshes):
-    return enroll(meshes, SIZE, cast_shadows=False)
-
-
-@pytest.fixture(scope="module")
-def probes(meshes):
+def probes(similar_heads):
     """Each under lights from the side, with cast shadows and a per cent of noise."""
     rng = np.random.default_rng(3)
     lights = light_of(yale64())
     lights = type(lights)(lights.directions, lights.irradiances[LIT])
-    images = [subject_photographs(mesh, lights, SIZE) for mesh in meshes.values()]
+    images = [subject_photographs(mesh, lights, SIZE) for mesh in similar_heads.values()]
     images = np.concatenate(images).reshape(-1, SIZE * SIZE)
     images /= images.max(axis=1, keepdims=True)
     return np.clip(images + 0.01 * rng.standard_normal(images.shape), 0, 1)
