@@ -315,5 +315,5 @@ def _print_answer(result: dict[str, Any], rejection: dict[str, float] | None) ->
             f"{rejection['least_margin']:.1%}, by {rejection['strangers']} images)"
         )
     if result["margin"] is not None:
-        shown = result.get("margin_in_place", result["margin"])
-        output.print(f"margin {shown:.1%}{verdict}", highlight=False, soft_wrap=True)
+        margin = result.get("margin_in_place", result["margin"])
+        output.print(f"margin {margin:.1%}{verdict}", highlight=False, soft_wrap=True)
