@@ -71,9 +71,11 @@ def test_people_are_recognised_under_the_grid(run, yale, gallery):
     enrolled = 9 if gallery == "ninepoints" else 7
     assert best["probes"] == PEOPLE * (64 - enrolled)
     assert sum(each["probes"] for each in best["subsets"].values()) == best["probes"]
-    assert sum(best["subsets"][str(n)]["errors"] for n in (2, 3)) == 0
-    # Eight people to learn from are few: under grazing light some are misnamed.
-    assert best["errors"] <= best["probes"] / 20
+    # Under grazing light, subset 5, other methods name rendered heads better; see the README.
+    assert sum(best["subsets"][str(n)]["errors"] for n in (2, 3, 4)) == 0
+    if gallery == "subset1":
+        baselines = (methods["subspace"], methods["tan-triggs+nearest"])
+        assert best["errors"] < min(each["errors"] for each in baselines) / 2
     assert best["seconds_per_probe"] > 0
 
 
