@@ -57,28 +57,13 @@ class NearLight(ABC):
     radiance: Float[np.ndarray, "*channels"]
 
     @abstractmethod
-    def unit(
+    def _unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
         """Return coefficients and gradients of the light with radiance 1, nothing in its way.
 
-        Parameters
-        ----------
-        points
-            Places, in the light's unit of length.
-        max_degree
-            Highest degree.
-
-        Returns
-        -------
-        tuple of numpy.ndarray
-            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
-            does not shine.
-
-        Raises
-        ------
-        ArgumentError
-            If a point lies in the light, or in the plane of a flat one.
+        They have the shapes (P, K) and (P, K, 3), and are zero where the light does not shine. It
+        refuses points that lie in the light, or in the plane of a flat one.
         """
 
     @abstractmethod
@@ -111,7 +96,7 @@ class NearLight(ABC):
         step = max(1, CHUNK // RIM_NODES)
         for first in range(0, len(points), step):
             some = slice(first, first + step)
-            coefficients[some], gradients[some] = self.unit(points[some], max_degree)
+            coefficients[some], gradients[some] = self._unit(points[some], max_degree)
         channels = [1] * self.radiance.ndim
         return Probes(
             points,
@@ -193,29 +178,9 @@ class PolygonLight(NearLight):
         corners = self.vertices - self.vertices[0]
         return np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0) / 2
 
-    def unit(
+    def _unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
-        """Return coefficients and gradients of the light with radiance 1.
-
-        Parameters
-        ----------
-        points
-            Places, in the light's unit of length.
-        max_degree
-            Highest degree.
-
-        Returns
-        -------
-        tuple of numpy.ndarray
-            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
-            does not shine.
-
-        Raises
-        ------
-        ArgumentError
-            If a point lies in the polygon's plane.
-        """
         normal = self.area_vector / np.linalg.norm(self.area_vector)
         size = np.ptp(self.vertices, axis=0).max()
         front = _in_front(points, self.vertices[0], normal, size, "polygon")
@@ -309,29 +274,9 @@ class DiscLight(NearLight):
         _check_radius(self.radius)
         object.__setattr__(self, "radiance", checks.non_negative("radiance", self.radiance))
 
-    def unit(
+    def _unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
-        """Return coefficients and gradients of the light with radiance 1.
-
-        Parameters
-        ----------
-        points
-            Places, in the light's unit of length.
-        max_degree
-            Highest degree.
-
-        Returns
-        -------
-        tuple of numpy.ndarray
-            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
-            does not shine.
-
-        Raises
-        ------
-        ArgumentError
-            If a point lies in the plane of the disc.
-        """
         front = _in_front(points, self.center, self.normal, 2 * self.radius, "disc")
         rim, tangents = self._rim(RIM_NODES)
         seen = rim - points[front, None]
@@ -394,31 +339,10 @@ class SphereLight(NearLight):
         _check_radius(self.radius)
         object.__setattr__(self, "radiance", checks.non_negative("radiance", self.radiance))
 
-    def unit(
+    def _unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
-        """Return coefficients and gradients of the light with radiance 1.
-
-        With `sin(angle) = radius / distance`, only the edge of the cone changes with the distance.
-
-        Parameters
-        ----------
-        points
-            Places, in the light's unit of length.
-        max_degree
-            Highest degree.
-
-        Returns
-        -------
-        tuple of numpy.ndarray
-            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
-            does not shine.
-
-        Raises
-        ------
-        ArgumentError
-            If a point lies in the sphere.
-        """
+        # With `sin(angle) = radius / distance` only the edge of the cone changes with distance.
         offsets = self.center - points
         distances = np.linalg.norm(offsets, axis=-1)
         inside = np.count_nonzero(distances <= self.radius)
@@ -472,29 +396,9 @@ class PointLight(NearLight):
         object.__setattr__(self, "position", _place("position", self.position))
         object.__setattr__(self, "radiance", checks.non_negative("intensity", self.radiance))
 
-    def unit(
+    def _unit(
         self, points: Float[np.ndarray, "P 3"], max_degree: int
     ) -> tuple[Float[np.ndarray, "P K"], Float[np.ndarray, "P K 3"]]:
-        """Return coefficients and gradients of the light with intensity 1.
-
-        Parameters
-        ----------
-        points
-            Places, in the light's unit of length.
-        max_degree
-            Highest degree.
-
-        Returns
-        -------
-        tuple of numpy.ndarray
-            Coefficients, (P, K), and their change along x, y and z, (P, K, 3); zero where the light
-            does not shine.
-
-        Raises
-        ------
-        ArgumentError
-            If a point lies where the light is.
-        """
         offsets = self.position - points
         distances = np.linalg.norm(offsets, axis=-1)
         if not distances.all():

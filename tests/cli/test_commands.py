@@ -125,7 +125,7 @@ def test_two_lights_add(run, ball, tmp_path):
     run(*arguments, "--light", "30,0", "--light", "-30,0", "--out", "c.png")
     a, b, c = (read_image(tmp_path / f"{name}.png") for name in "abc")
     # Three roundings of colours, and as many of the opacity at the edge.
-    assert np.abs(a + b - c).max() < 6 / 2**16
+    assert np.abs(a + b - c).max() < 3 / 2**16
 
 
 def test_render_refuses_nonsense(ball, check_refused):
