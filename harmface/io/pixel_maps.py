@@ -9,7 +9,7 @@ from harmface import checks
 from harmface.errors import ArgumentError, FileError
 from harmface.io.files import PARSE_ERRORS, excerpt, read_bytes
 from harmface.io.images import read_image
-from harmface.io.pictures import MAX_PIXELS
+from harmface.io.pictures import MAX_PIXELS, read_picture
 from harmface.io.tables import npy_array
 
 CODE = 0.01
@@ -17,9 +17,9 @@ CODE = 0.01
 
 
 def read_normal_map(path: Path | str) -> Float[np.ndarray, "H W 3"]:
-    """Read normals: `.npy`, rows x columns x 3, or a picture of `(n + 1) / 2`.
+    """Read normals: `.npy`, rows x columns x 3, or a picture whose codes are `(n + 1) / 2`.
 
-    Zero vectors, or black pixels of a picture, are background.
+    Zero vectors, or pixels of a picture that are black or transparent, are background.
 
     Parameters
     ----------
@@ -39,9 +39,13 @@ def read_normal_map(path: Path | str) -> Float[np.ndarray, "H W 3"]:
     if Path(path).suffix.lower() == ".npy":
         normals = read_pixel_array(path)
     else:
-        normals = read_image(path)
+        picture = read_picture(path)
+        # Components are no light: what the file says of its encoding is about the screen.
+        normals = picture.values(False)
         if normals.ndim == 3:
             background = ~normals.any(axis=-1)
+            if picture.opacity is not None:
+                background |= picture.opacity == 0
             normals = 2 * normals - 1
             normals[background] = 0
     if normals.ndim != 3 or normals.shape[-1] != 3:
@@ -49,7 +53,8 @@ def read_normal_map(path: Path | str) -> Float[np.ndarray, "H W 3"]:
             f"{path}: must hold three components for every pixel, (rows, columns, 3), "
             f"got shape {normals.shape}"
         )
-    length = np.linalg.norm(normals, axis=-1)
+    # What is longer than 2 is wrong, and its square may be more than a float holds.
+    length = np.linalg.norm(np.clip(normals, -2, 2), axis=-1)
     seen = length > 0
     wrong = seen & (np.abs(length - 1) > 2 * CODE)
     if not seen.any() or wrong.any():

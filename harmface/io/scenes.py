@@ -17,6 +17,9 @@ from harmface.rendering import Scene, Surface
 
 FRAMES = ("world", "object")
 
+FARTHEST = 1e15
+"""Lengths beyond it have squares that single precision does not hold."""
+
 KEYS = {
     "polygon": ("vertices", "radiance"),
     "disc": ("center", "normal", "radius", "radiance"),
@@ -39,6 +42,9 @@ class _Frame:
         found = np.array(values, float)
         if found.shape[-1:] != (3,):
             raise ArgumentError(f"a place must have three coordinates, got shape {found.shape}")
+        # Rays are cast in single precision, and areas are squares of lengths.
+        if not (np.abs(found) < FARTHEST).all():
+            raise ArgumentError(f"a place must lie within {FARTHEST:g} of the origin")
         return self.origin + self.scale * found
 
 
@@ -138,10 +144,10 @@ def _made(kind: str, entry: dict[str, Any], frame: _Frame, folder: Path) -> Near
     if kind == "sphere":
         return SphereLight(frame.point(entry["center"]), radius, radiance)
     normal = np.array(entry["normal"], float)
-    length = np.linalg.norm(normal)
-    if not length > 0:
-        raise ArgumentError("normal must not be zero")
-    return DiscLight(frame.point(entry["center"]), normal / length, radius, radiance)
+    if not (normal.any() and (np.abs(normal) < FARTHEST).all()):
+        raise ArgumentError(f"normal must not be zero, and below {FARTHEST:g}")
+    normal /= np.linalg.norm(normal)
+    return DiscLight(frame.point(entry["center"]), normal, radius, radiance)
 
 
 def _color(name: str, values: Any) -> Float[np.ndarray, "3"]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from harmface import checks
 from harmface.errors import ArgumentError, FileError
 from harmface.io.atomic import atomic_write
 from harmface.io.coefficients import read_coefficients
@@ -163,7 +164,9 @@ def _from_json(found: Any) -> np.ndarray:
         probe = found.get("object", found)
         if "sh" not in probe:
             raise ValueError('it has no "sh"')
-        return np.array(probe["sh"], float) * float(probe.get("intensity", 1))
+        # Infinity times zero would be said to be no number before it is refused.
+        sh, intensity = np.array(probe["sh"], float), np.array(probe.get("intensity", 1), float)
+        return checks.finite("sh", sh) * checks.finite("intensity", intensity)
     array = np.array(found, float)
     if array.ndim == 3 and array.shape[-1] == 2:
         return array[..., 0] + 1j * array[..., 1]

@@ -24,8 +24,12 @@ from harmface.io import (
     read_measured_directions,
     read_measured_normals,
     read_mesh,
+    read_normal_map,
     read_probe_grid,
+    read_scene,
     read_surface,
+    read_tool_coefficients,
+    read_transfer,
 )
 
 OTHER_FILE = 0.15
@@ -83,6 +87,19 @@ def _read_normals_of_twenty(path: Path) -> Any:
 
 def _read_directions_of_five(path: Path) -> Any:
     return read_measured_directions(path, 5)
+
+
+def _read_transfer(path: Path) -> Any:
+    return read_transfer(path, seeds.mesh())
+
+
+def _read_scene(path: Path) -> Any:
+    return read_scene(path, seeds.mesh())
+
+
+def _read_tool(path: Path) -> Any:
+    tool = {".npy": "deca", ".txt": "filament"}.get(path.suffix, "three.js")
+    return read_tool_coefficients(path, tool)
 
 
 def _choose(path: Path) -> Any:
@@ -182,6 +199,18 @@ READERS: dict[str, Reader] = {
         (*JSON, b"'descr': '|O'"),
         containers.NPZ,
         odd=odd.probe_grid,
+    ),
+    "transfer": Reader(seeds.transfer, _read_transfer, (*JSON, b"'descr': '|O'"), containers.NPZ),
+    "scene": Reader(
+        seeds.scene, _read_scene, (b"[[", b"]]", b"nan", b"1e400", b"'''", b"inf", b'file = "/"\n')
+    ),
+    "normal map": Reader(
+        seeds.normal_map,
+        read_normal_map,
+        (b"'descr': '|O'", b"'<f8'", b"(3, 4, 3)", b"\xff\xff\xff\x7f"),
+    ),
+    "tool coefficients": Reader(
+        seeds.tool_coefficients, _read_tool, (*JSON, b"'descr': '|O'", b"nan", b"//", b"1e400")
     ),
     "mat": Reader(
         seeds.mat,

@@ -248,6 +248,51 @@ def probe_grid() -> list[Files]:
     return [{"p.npz": written("p.npz", lambda p: write_probe_grid(p, grid))}]
 
 
+def transfer() -> list[Files]:
+    from harmface.io import write_transfer
+    from harmface.rendering import Transfer
+
+    found = Transfer(np.ones((9, len(POINTS))), np.zeros(9), 0.0)
+    return [{"t.npz": written("t.npz", lambda p: write_transfer(p, found, mesh()))}]
+
+
+def scene() -> list[Files]:
+    text = b"""frame = "object"
+[[polygon]]
+vertices = [[1, 0, 1], [1, 1, 1], [2, 1, 1]]
+radiance = [1, 0.5, 0.25]
+[[disc]]
+center = [0, 3, 0]
+normal = [0, -1, 0]
+radius = 0.5
+radiance = 2
+[[sphere]]
+center = [4, 0, 0]
+radius = 0.5
+radiance = 2
+[[point]]
+position = [0, 0, 5]
+intensity = 3
+"""
+    return [{"scene.toml": text}]
+
+
+def normal_map() -> list[Files]:
+    normals = np.zeros((3, 4, 3))
+    normals[1:, :, 2] = 1
+    codes = np.rint(127.5 * (normals + 1)).astype(np.uint8) * normals.any(axis=2, keepdims=True)
+    array = written("n.npy", lambda p: np.save(p, normals))
+    return [{"n.npy": array}, {"n.png": by_pillow(codes.astype(np.uint8), "PNG")}]
+
+
+def tool_coefficients() -> list[Files]:
+    values = [[0.8, 0.1, 0.2, 0.3, 0.0, 0.0, 0.1, 0.0, -0.1]] * 3
+    probe = {"object": {"type": "LightProbe", "intensity": 1, "sh": np.ravel(values).tolist()}}
+    array = written("c.npy", lambda p: np.save(p, np.array(values).T))
+    text = "".join(f"({', '.join(map(str, row[:3]))}); // L00\n" for row in values * 3)
+    return [{"c.json": json.dumps(probe).encode()}, {"c.npy": array}, {"sh.txt": text.encode()}]
+
+
 def folder() -> Files:
     """Photographs in the DiLiGenT layout."""
     names = [f"{number:03d}.png" for number in range(1, 5)]
