@@ -153,6 +153,8 @@ def test_scenes_that_make_no_sense_are_refused(run, check_refused, tmp_path):
         "radiance must be one number": ball.replace("[1, 1, 1]", "[1, 1]"),
         "radiance must be finite and not negative": ball.replace("[1, 1, 1]", "[1, -1, 1]"),
         "a light that is not dark": ball.replace("[1, 1, 1]", "0"),
+        "a place must lie within 1e\\+15": ball.replace("[2, 0, 2]", "[2, 0, 1e200]"),
+        "normal must not be zero": ball.replace("sphere", "disc") + "normal = [0, 0, 1e200]\n",
         "three coordinates": ball.replace("[2, 0, 2]", "[2, 0]"),
         "none.ply: ": ball + '[[mesh]]\nfile = "none.ply"\nradiance = 1\n',
         "bounding box": ball.replace("[2, 0, 2]", "[0, 0, 0]"),

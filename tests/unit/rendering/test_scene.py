@@ -4,6 +4,7 @@ import pytest
 from harmface.errors import ArgumentError
 from harmface.light import DiscLight, PointLight, PolygonLight, SphereLight
 from harmface.rendering import Scene, Surface, probes, ray_cast_probes, sampled_light
+from tests.unit.light.rooms import walls
 
 SQUARE = np.array([[-0.5, -0.5, 1], [-0.5, 0.5, 1], [0.5, 0.5, 1], [0.5, -0.5, 1]])
 RED, BLUE = np.array([1.0, 0.0]), np.array([0.0, 1.0])
@@ -53,21 +54,7 @@ def test_the_reference_sees_the_same(name):
 
 
 def test_a_room_of_one_radiance_is_the_same_everywhere():
-    corners = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1, 1) for z in (-1, 1)])
-    walls = []
-    for quad in (
-        (0, 2, 3, 1),
-        (4, 5, 7, 6),
-        (0, 1, 5, 4),
-        (2, 6, 7, 3),
-        (0, 4, 6, 2),
-        (1, 3, 7, 5),
-    ):
-        wall = PolygonLight(corners[list(quad)], RED)
-        if wall.area_vector @ wall.vertices[0] > 0:
-            wall = PolygonLight(wall.vertices[::-1], RED)
-        walls.append(wall)
-    found = ray_cast_probes(Scene(tuple(walls)), POINTS, 2)
+    found = ray_cast_probes(Scene(tuple(walls(RED))), POINTS, 2)
     np.testing.assert_allclose(found.coefficients[:, 0, 0], np.sqrt(4 * np.pi), rtol=1e-3)
     # What the grid of rays leaves of an exact 0, against 3.5 for the light itself.
     assert np.abs(found.gradients).max() < 0.1
