@@ -153,7 +153,7 @@ def gather(pixels: Pixels, robust: bool) -> list[Information]:
         lowest = np.linalg.eigvalsh(hessian[c])
         if lowest[0] < -1e-9 * lowest[-1]:
             # Far from Gaussian residuals may leave no minimum about the start: its votes do.
-            hessian[c] = (of * _biweight(residual)) @ of.T
+            hessian[c] = (of * biweight(residual)) @ of.T
     hessian *= every.size / some.size
     scores = np.empty((len(pixels.blocks), channels, count))
     sums = np.zeros((5, channels))
@@ -161,7 +161,7 @@ def gather(pixels: Pixels, robust: bool) -> list[Information]:
         basis = pixels.basis(block)
         values, factor = pixels.scaled(block)
         residual = (values - factor * (light @ basis)) / scale[:, None]
-        weights = _biweight(residual) if robust else np.ones_like(residual)
+        weights = biweight(residual) if robust else np.ones_like(residual)
         influence = residual * weights
         voters = np.broadcast_to(factor > 0, values.shape)
         sums += [
@@ -176,11 +176,6 @@ def gather(pixels: Pixels, robust: bool) -> list[Information]:
         _information(light[c], scale[c], hessian[c], scores[:, c], sums[:, c], known)
         for c in range(channels)
     ]
-
-
-def weights_of(residuals: Float[np.ndarray, "*pixels"]) -> Float[np.ndarray, "*pixels"]:
-    """Return the vote of every pixel, from 0 to 1, by its residual in standard deviations."""
-    return _biweight(residuals)
 
 
 def _information(
@@ -221,7 +216,7 @@ def _start(
     if not robust:
         left = values - light @ basis
         return light, max(float(np.sqrt(left @ left / max(values.size - len(light), 1))), least)
-    for weigh in (_huber, _biweight):
+    for weigh in (_huber, biweight):
         for _ in range(ROUNDS):
             residuals = values - light @ basis
             scale = max(GAUSSIAN * float(np.median(np.abs(residuals))), least)
@@ -243,7 +238,8 @@ def _huber(deviations: Float[np.ndarray, "p"]) -> Float[np.ndarray, "p"]:
     return 1 / np.maximum(np.abs(deviations) / HUBER, 1)
 
 
-def _biweight(deviations: Float[np.ndarray, "*pixels"]) -> Float[np.ndarray, "*pixels"]:
+def biweight(deviations: Float[np.ndarray, "*pixels"]) -> Float[np.ndarray, "*pixels"]:
+    """Return Tukey's vote of every pixel, from 0 to 1, by its residual in standard deviations."""
     inside = np.maximum(1 - (deviations / TUKEY) ** 2, 0)
     return inside * inside
 

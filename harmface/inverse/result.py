@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 
 from harmface.conventions import LUMINANCE, degree_order, harmonic_count, max_degree_of
 from harmface.inverse.conditioning import told_directions
-from harmface.inverse.least_squares import Pixels, weights_of
+from harmface.inverse.least_squares import Pixels, biweight
 from harmface.rendering import harmonic_irradiance
 from harmface.sphere import fibonacci_directions, real_harmonics
 
@@ -111,7 +111,7 @@ class LightEstimate:
         for block in self.pixels.blocks:
             values, factor = self.pixels.scaled(block)
             left = (values - factor * (light @ self.pixels.basis(block))).T / self.noise
-            votes = weights_of(left.T) if self.robust else np.ones_like(left.T)
+            votes = biweight(left.T) if self.robust else np.ones_like(left.T)
             own[:, block] = votes * (factor > 0)
         return own.reshape(*self.least_norm.shape[:-1], *self.shape)
 
