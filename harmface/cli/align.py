@@ -243,7 +243,7 @@ def _read(path: Path, srgb: bool, limit: int) -> tuple[np.ndarray, dict[str, Any
     from harmface.io.pictures import read_picture
 
     picture = read_picture(path, limit)
-    values = picture.linear(srgb)
+    values = picture.linear(unstated=srgb)
     if max(values.shape[:2]) > LARGEST:
         raise FileError(f"{path}: has more than {LARGEST} rows or columns; make it smaller")
     if values.min() < 0 or values.max() > 1:

@@ -81,7 +81,7 @@ def check_lamp_options(options: LampOptions, method: str) -> None:
 
 
 def with_lamps(
-    capture: "Capture", options: LampOptions, *, srgb: bool, max_pixels: int
+    capture: "Capture", options: LampOptions, *, srgb: bool | None, max_pixels: int
 ) -> "Capture":
     """Return photographs with the directions that a mirror sphere shows, if there is one.
 

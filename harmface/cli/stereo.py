@@ -47,8 +47,12 @@ def stereo(
         ),
     ] = "refined",
     gamma: Annotated[
-        str, typer.Option(help="How the photographs are encoded: linear or srgb.")
-    ] = "linear",
+        str | None,
+        typer.Option(
+            help="How the photographs are encoded, linear or srgb, whatever their files say; by "
+            "default what each file says, and linear if it says nothing."
+        ),
+    ] = None,
     symmetric: Annotated[
         bool, typer.Option("--symmetric", help="The object is symmetric about its vertical axis.")
     ] = False,
@@ -117,7 +121,9 @@ def stereo(
     from harmface.viz import stereo_figure, write_figure
 
     _require("--method", method, METHODS)
-    _require("--gamma", gamma, ("linear", "srgb"))
+    if gamma is not None:
+        _require("--gamma", gamma, ("linear", "srgb"))
+    srgb = None if gamma is None else gamma == "srgb"
     _require("--mesh-format", mesh_format, tuple(MESH_FILES))
     check_lamp_options(lamps, method)
     if focal is not None and not 0 < focal < np.inf:
@@ -128,7 +134,7 @@ def stereo(
     with told(), progress("reading") as report:
         capture = read_capture(
             images,
-            srgb=gamma == "srgb",
+            srgb=srgb,
             mask=mask,
             lights=lamps.lights,
             positions=lamps.near_lamps,
@@ -137,9 +143,7 @@ def stereo(
             max_pixels=pixel_limit(max_pixels),
             report=report,
         )
-        capture = with_lamps(
-            capture, lamps, srgb=gamma == "srgb", max_pixels=pixel_limit(max_pixels)
-        )
+        capture = with_lamps(capture, lamps, srgb=srgb, max_pixels=pixel_limit(max_pixels))
     known = method == "known-lights"
     if known and capture.lights is None:
         raise ArgumentError(

@@ -67,7 +67,7 @@ class Capture:
 def read_capture(
     paths: list[Path],
     *,
-    srgb: bool = False,
+    srgb: bool | None = None,
     mask: Path | None = None,
     lights: Path | None = None,
     positions: bool = False,
@@ -89,7 +89,8 @@ def read_capture(
     paths
         Photographs, or one folder of them.
     srgb
-        Whether files that do not say how they are encoded are encoded in sRGB, see `read_image`.
+        Whether the photographs are encoded in sRGB, whatever their files say. If not given, what
+        a file says is believed, and one that says nothing is linear.
     mask
         The mask's file; found among the photographs if not given.
     lights
@@ -250,7 +251,7 @@ def _intensities(
 def _stack(
     files: list[Path],
     intensities: Float[np.ndarray, "F channels"] | None,
-    srgb: bool,
+    srgb: bool | None,
     coloured: bool,
     max_pixels: int,
     report: Callable[[float], None],
@@ -308,7 +309,7 @@ def _stack(
             f"{hot} hot pixels, each far brighter than its neighbours in one photograph alone, "
             "have the median of these"
         )
-    if guessed and not srgb:
+    if guessed and srgb is None:
         notes.append(
             "JPEG files are hardly ever linear; if these come from a camera, say --gamma srgb"
         )

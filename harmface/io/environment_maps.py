@@ -61,9 +61,9 @@ def read_environment_map(
         our layouts. Angular maps are read as by the program behind the published tables, see
         `file_layout`, unless their frame is "figure-3" or "debevec".
     srgb
-        Whether a picture that does not say how it is encoded is encoded in sRGB; only for
-        pictures that `read_image` reads. It is taken as linear otherwise, with a warning at 8 bits
-        unless this is False.
+        Whether a picture that `read_image` reads is encoded in sRGB, whatever it says of itself.
+        If not given, what it says is believed; one that says nothing is taken as linear, with a
+        warning at 8 bits.
     part
         Which part, layer or view of an OpenEXR file to read, see `read_exr`.
     max_pixels
@@ -176,7 +176,7 @@ def _read_pixels(path: Path | str, how: _Reading) -> Float[np.ndarray, "H W *cha
         )
     for note in notes:
         warnings.warn(note, FileWarning, stacklevel=2)
-    return picture.linear(bool(how.srgb))
+    return picture.linear(how.srgb)
 
 
 def _read_cube(

@@ -60,7 +60,7 @@ def read_image(
     picture = read_picture(path, max_pixels)
     for note in picture.notes:
         warnings.warn(note, FileWarning, stacklevel=2)
-    return picture.linear(srgb)
+    return picture.linear(unstated=srgb)
 
 
 def write_image(

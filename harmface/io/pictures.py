@@ -74,12 +74,17 @@ class Picture:
         """Bits of a channel of a pixel."""
         return self.codes.dtype.itemsize * 8
 
-    def linear(self, srgb: bool) -> Float[np.ndarray, "H W *channels"]:
-        """Return linear values on black, float64: what the file says of its encoding is believed.
+    def linear(
+        self, srgb: bool | None = None, *, unstated: bool = False
+    ) -> Float[np.ndarray, "H W *channels"]:
+        """Return linear values on black, float64.
 
         Parameters
         ----------
         srgb
+            Whether the file is encoded in sRGB, whatever it says of itself; what it says is
+            believed if not given.
+        unstated
             Whether a file that does not say how it is encoded is encoded in sRGB.
 
         Returns
@@ -87,7 +92,8 @@ class Picture:
         numpy.ndarray
             Shape (H, W) or (H, W, 3); what is transparent is black.
         """
-        values = self.values(srgb if self.srgb is None else self.srgb)
+        found = next(known for known in (srgb, self.srgb, unstated) if known is not None)
+        values = self.values(found)
         if self.opacity is None:
             return values
         return values * (self.opacity if values.ndim == 2 else self.opacity[..., None])

@@ -31,5 +31,5 @@ def looks_gamma_encoded(values: Float[np.ndarray, "F p"]) -> bool:
         return False
     some = values[:, :: max(1, values.shape[1] // 4096)].astype(np.float64)
     some = some / some.max()
-    left = [1 - factorize(each, 4).energy[3] for each in (some, srgb_to_linear(some))]
-    return bool(left[0] > NOTICEABLE and left[1] < GAIN * left[0])
+    outside = [1 - factorize(each, 4).energy[3] for each in (some, srgb_to_linear(some))]
+    return bool(outside[0] > NOTICEABLE and outside[1] < GAIN * outside[0])

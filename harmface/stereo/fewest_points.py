@@ -46,12 +46,12 @@ def fewest_points(
         image, tried = _simpler(model, light, some)
         if not len(image):
             return light
-        tried, left = fit_light(values[image], model, tried, b, weights[image])
-        by_cost = np.lexsort((left, image))
+        tried, cost = fit_light(values[image], model, tried, b, weights[image])
+        by_cost = np.lexsort((cost, image))
         best = by_cost[np.unique(image[by_cost], return_index=True)[1]]
-        best = best[left[best] - energy[image[best]] < price]
+        best = best[cost[best] - energy[image[best]] < price]
         some = image[best]
-        light[some], energy[some] = tried[best], left[best]
+        light[some], energy[some] = tried[best], cost[best]
 
 
 def _simpler(

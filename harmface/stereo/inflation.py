@@ -30,9 +30,9 @@ def inflated_normals(mask: Bool[np.ndarray, "H W"]) -> Float[np.ndarray, "p 3"]:
     rows, columns = np.nonzero(padded)
     entries = [(np.arange(count), np.arange(count), np.full(count, 4.0))]
     for down, right in ((0, 1), (0, -1), (1, 0), (-1, 0)):
-        beside = index[rows + down, columns + right]
-        inside = beside >= 0
-        entries.append((np.flatnonzero(inside), beside[inside], np.full(inside.sum(), -1.0)))
+        neighbour = index[rows + down, columns + right]
+        inside = neighbour >= 0
+        entries.append((np.flatnonzero(inside), neighbour[inside], np.full(inside.sum(), -1.0)))
     i, j, value = (np.concatenate(part) for part in zip(*entries, strict=True))
     u = np.zeros(padded.shape)
     u[padded] = spsolve(

@@ -93,7 +93,7 @@ def many_sources(
     seen: Bool[np.ndarray, "F p"],
     second_order: Float[np.ndarray, "p 3"],
     under_dense: Float[np.ndarray, "p 3"],
-    left: Float[np.ndarray, "F p"],
+    residual: Float[np.ndarray, "F p"],
 ) -> ManySources:
     """Return points and uniform light, or degree 2, whichever explains these pixels better.
 
@@ -108,9 +108,9 @@ def many_sources(
     under_dense, left
         Scaled normals that points start from, and what they leave, of `under_dense_light`.
     """
-    rough = _points(values, seen, under_dense, left)
-    left = values - rough.model.predict(rough.light, rough.b)
-    points = _points(values, seen, rough.b, left)
+    rough = _points(values, seen, under_dense, residual)
+    residual = values - rough.model.predict(rough.light, rough.b)
+    points = _points(values, seen, rough.b, residual)
     points = _pruned(values, seen, points.light, points.b, 1)
     others = [_one_point(values, seen, points.b), _smooth(values, seen, second_order)]
 
@@ -127,7 +127,7 @@ def points_again(
     values: Float[np.ndarray, "F p"],
     seen: Bool[np.ndarray, "F p"],
     b: Float[np.ndarray, "p 3"],
-    left: Float[np.ndarray, "F p"],
+    residual: Float[np.ndarray, "F p"],
     *,
     gradient: bool,
 ) -> ManySources:
@@ -139,12 +139,12 @@ def points_again(
         As in `many_sources`.
     b
         Scaled normals, right but for small errors.
-    left
+    residual
         What the light found before leaves of the images.
     gradient
         Whether the light all around may have a gradient.
     """
-    fit = _points(values, seen, b, left, gradient=gradient)
+    fit = _points(values, seen, b, residual, gradient=gradient)
     return _pruned(values, seen, fit.light, fit.b, PRUNINGS)
 
 
@@ -164,9 +164,9 @@ def points_of_more(
     b
         Scaled normals that other images settled.
     """
-    left = _left_by_dense_light(values, seen, b, gradient)
-    weights = seen_weights(left, seen, least=SMALL)
-    light = _gathered(values, b, left, weights, gradient)
+    residual = _residual_of_dense_light(values, seen, b, gradient)
+    weights = seen_weights(residual, seen, least=SMALL)
+    light = _gathered(values, b, residual, weights, gradient)
     return _pruned(values, seen, light, b, LATE_PRUNINGS)
 
 
@@ -232,7 +232,7 @@ def _points(
     values: Float[np.ndarray, "F p"],
     seen: Bool[np.ndarray, "F p"],
     b: Float[np.ndarray, "p 3"],
-    left: Float[np.ndarray, "F p"],
+    residual: Float[np.ndarray, "F p"],
     *,
     gradient: bool = False,
 ) -> ManySources:
@@ -241,8 +241,8 @@ def _points(
     Points are added, here, and left out where they are not needed, by `_pruned`; each time light
     and structure descend together, as in [BSR17]_.
     """
-    weights = seen_weights(left, seen, least=SMALL)
-    light = _gathered(values, b, left, weights, gradient)
+    weights = seen_weights(residual, seen, least=SMALL)
+    light = _gathered(values, b, residual, weights, gradient)
     return _jointly(values, MODEL, light, b, weights, STEPS)
 
 
@@ -255,9 +255,9 @@ def _pruned(
 ) -> ManySources:
     """Return what is left without the points that are not needed, and the structure it shows."""
     for _ in range(times):
-        left = values - MODEL.predict(light, b)
-        weights = seen_weights(left, seen, least=SMALL)
-        price = 3 * np.log(len(b)) * _scale(left[seen]) ** 2
+        residual = values - MODEL.predict(light, b)
+        weights = seen_weights(residual, seen, least=SMALL)
+        price = 3 * np.log(len(b)) * _scale(residual[seen]) ** 2
         light = fewest_points(values, MODEL, light, b, weights, price)
         fit = _jointly(values, MODEL, light, b, weights, STEPS)
         light, b = fit.light, fit.b
@@ -268,7 +268,7 @@ def _scale(residual: Float[np.ndarray, "n"]) -> float:
     return max(robust_scale(residual), SMALL)
 
 
-def _left_by_dense_light(
+def _residual_of_dense_light(
     values: Float[np.ndarray, "F p"],
     seen: Bool[np.ndarray, "F p"],
     b: Float[np.ndarray, "p 3"],
@@ -277,23 +277,23 @@ def _left_by_dense_light(
     """Return what dense light leaves of the images for scaled normals that are about right."""
     model = dense_light(COARSE)
     light = fit_dense_light(values, model, b, weights=seen.astype(np.float64), gradient=gradient)
-    left = values - model.predict(light, b)
-    return left - left @ np.linalg.pinv(b).T @ b.T if gradient else left
+    residual = values - model.predict(light, b)
+    return residual - residual @ np.linalg.pinv(b).T @ b.T if gradient else residual
 
 
 def _gathered(
     values: Float[np.ndarray, "F p"],
     b: Float[np.ndarray, "p 3"],
-    left: Float[np.ndarray, "F p"],
+    residual: Float[np.ndarray, "F p"],
     weights: Float[np.ndarray, "F p"],
     gradient: bool,
 ) -> Float[np.ndarray, "F q"]:
     """Return for each image the points that dense light gathers around."""
     dense = dense_light(FINE)
-    scale = _scale(left[weights > 0])
+    scale = _scale(residual[weights > 0])
     # Observations of little weight are replaced by what was expected of them, so that all
     # images share their normal equations.
-    filled = values - (1 - weights) * left
+    filled = values - (1 - weights) * residual
     spread = fit_dense_light(filled, dense, b, price=PRICE * scale, gradient=gradient)
     light = points_of(spread, dense, b, MODEL.count)
     if gradient:
@@ -326,9 +326,9 @@ def _reweighted(
 ) -> ManySources:
     """Return a fit continued with observations weighed by Cauchy's loss."""
     for _ in range(2):
-        left = values - fit.model.predict(fit.light, fit.b)
-        if robust_scale(left[seen]) < SMALL:
+        residual = values - fit.model.predict(fit.light, fit.b)
+        if robust_scale(residual[seen]) < SMALL:
             break
-        weights = seen_weights(left, seen, least=SMALL)
+        weights = seen_weights(residual, seen, least=SMALL)
         fit = _jointly(values, fit.model, fit.light, fit.b, weights, REWEIGHTED_STEPS)
     return fit

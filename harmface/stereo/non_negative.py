@@ -90,7 +90,7 @@ def points_of(
     count
         Points of an image.
     """
-    say = light[:, :-1] * _sizes(model.columns(b))[:-1]
+    power = light[:, :-1] * _sizes(model.columns(b))[:-1]
     points = np.zeros((len(light), 3 * count + 4))
     points[:, -1] = light[:, -1]
     for i, each in enumerate(light[:, :-1]):
@@ -98,7 +98,7 @@ def points_of(
         if not len(on):
             continue
         clusters = KMeans(min(count, len(on)), n_init=1, random_state=0)
-        of = clusters.fit_predict(model.directions[on], sample_weight=say[i, on])
+        of = clusters.fit_predict(model.directions[on], sample_weight=power[i, on])
         for k in range(clusters.n_clusters):
             some = on[of == k]
             points[i, 3 * k : 3 * k + 3] = each[some] @ model.directions[some]

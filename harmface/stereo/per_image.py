@@ -35,11 +35,11 @@ def fit_light(
     weights
         Of the observations.
     """
-    found, left = start.copy(), np.empty(len(start))
+    found, cost = start.copy(), np.empty(len(start))
     # A share of the images at a time: derivatives by light are larger than all else.
     for first in range(0, len(start), IMAGES):
         some = slice(first, first + IMAGES)
-        found[some], left[some] = fit_abreast(
+        found[some], cost[some] = fit_abreast(
             values[some],
             lambda light: model.predict(light, b),
             lambda light: model.by_light(light, b).swapaxes(1, 2),
@@ -47,4 +47,4 @@ def fit_light(
             weights=weights[some],
             steps=STEPS,
         )
-    return found, left
+    return found, cost

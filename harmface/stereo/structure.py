@@ -346,8 +346,8 @@ def _move(found: Structure) -> Move:
 def _single(stack: ImageStack, some: Int[np.ndarray, "n"]) -> Structure:
     """Return one source an image, and what it lights."""
     found = single_sources(stack.values, stack.usable, leading_dimensions(stack.values), some)
-    left = stack.values - SINGLE.predict(found.light, found.b)
-    scale = robust_scale(left[found.lit])
+    residual = stack.values - SINGLE.predict(found.light, found.b)
+    scale = robust_scale(residual[found.lit])
     return Structure(SINGLE, found.light, found.b, found.weights, scale, found.converged)
 
 
@@ -362,10 +362,10 @@ def _explained(
     leading = leading_dimensions(values)
     lit = by_single.weights > 0
     misfit_by_single = misfit_of(values, lit, SINGLE, by_single.light, by_single.b)
-    left = (values - SINGLE.predict(by_single.light, by_single.b))[:, some]
+    residual = (values - SINGLE.predict(by_single.light, by_single.b))[:, some]
     under_dense, least = under_dense_light(values[:, some], seen[:, some], leading[some])
     # Most that another model could gain, as if it had no unknowns.
-    if misfit(left[lit[:, some]]) - misfit(least[lit[:, some]]) < GAIN:
+    if misfit(residual[lit[:, some]]) - misfit(least[lit[:, some]]) < GAIN:
         return by_single
     cues = cues_of(stack, by_single, knowledge)
     rough = by_single.b @ rough_map(cues, _families(stack, by_single, cues, rng)).T
@@ -373,7 +373,7 @@ def _explained(
     fit = many_sources(values[:, some], seen[:, some], rough[some], under_dense, least)
     # The fit may have drifted along a linear map, which the pixels not fitted yet must follow.
     start = rough if isinstance(fit.model, HarmonicLight) else leading
-    by_many = _everywhere(stack, fit, start @ _drift(start[some], fit.b))
+    by_many = _fit_all_pixels(stack, fit, start @ _drift(start[some], fit.b))
     # Judged by all pixels: light can be bent to explain the highlights of those it was found with.
     gained = misfit_by_single - misfit_of(values, lit, fit.model, fit.light, by_many.b)
     dark = not isinstance(fit.model, HarmonicLight)
@@ -394,7 +394,7 @@ def _followed(
         b = b / np.linalg.norm(b, axis=1).mean()
         fit = points_of_more(values, seen, b[some], gradient=gradient)
         drift = _drift(b[some], fit.b)
-        found = _everywhere(stack, fit, b @ drift)
+        found = _fit_all_pixels(stack, fit, b @ drift)
         rows = _drift(found.b, b).T
         # Fits to fewer pixels differ more by chance.
         if _departure(drift) <= SETTLED * PIXELS / len(some):
@@ -422,11 +422,11 @@ def _settled(
     for _ in range(AGAIN):
         b = found.b @ rows.T
         start = b[some] / np.linalg.norm(b, axis=1).mean()
-        left = values - found.model.predict(found.light, found.b[some])
-        fit = points_again(values, seen, start, left, gradient=gradient)
+        residual = values - found.model.predict(found.light, found.b[some])
+        fit = points_again(values, seen, start, residual, gradient=gradient)
         drift = _drift(found.b[some], fit.b)
         if misfit_of(values, seen, fit.model, fit.light, fit.b) < _misfit(stack, found, some):
-            found = _everywhere(stack, fit, found.b @ drift)
+            found = _fit_all_pixels(stack, fit, found.b @ drift)
         isometry = float(np.clip(_departure(drift), SURE_ISOMETRY, ISOMETRY))
         rows = _drift(found.b, b).T
         if isometry <= SETTLED:
@@ -450,7 +450,9 @@ def _departure(drift: Float[np.ndarray, "3 3"]) -> float:
     return float(np.abs(anisotropy(drift.T @ drift)).max())
 
 
-def _everywhere(stack: ImageStack, fit: ManySources, start: Float[np.ndarray, "p 3"]) -> Structure:
+def _fit_all_pixels(
+    stack: ImageStack, fit: ManySources, start: Float[np.ndarray, "p 3"]
+) -> Structure:
     """Return all pixels under light that was found with some."""
     b, weights = fit_robustly(stack.values, stack.seen, fit.model, fit.light, start)
     scale = robust_scale((stack.values - fit.model.predict(fit.light, b))[stack.seen])

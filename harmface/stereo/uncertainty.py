@@ -79,9 +79,9 @@ def error_of_fit(
     slope = slope.swapaxes(0, 1)
     normal = (weights.T[..., None] * slope).swapaxes(1, 2) @ slope
     freedom = np.maximum(weights.sum(axis=0) - 3, 0)
-    left = (weights * residual**2).sum(axis=0)
-    pooled = left.sum() / max(freedom.sum(), 1.0)
-    variance = (left + POOLED * pooled) / (freedom + POOLED)
+    remaining = (weights * residual**2).sum(axis=0)
+    pooled = remaining.sum() / max(freedom.sum(), 1.0)
+    variance = (remaining + POOLED * pooled) / (freedom + POOLED)
     floor = 1e-9 * np.einsum("pii->", normal) / len(normal) + np.finfo(np.float64).tiny
     covariance = np.linalg.inv(normal + floor * np.eye(3)) * variance[:, None, None]
     squared = (b**2).sum(axis=1)
@@ -145,8 +145,8 @@ def beside_neighbours(
     by_noise = _vicinity(noise**2 + by_neighbours, mask)
     share = np.minimum(seen / np.maximum(by_noise, floor), 1.0)
     own = share * noise**2
-    left = np.maximum(seen - by_noise, 0.0) + share * by_neighbours
-    gain = own / np.maximum(own + left, floor)
+    remaining = np.maximum(seen - by_noise, 0.0) + share * by_neighbours
+    gain = own / np.maximum(own + remaining, floor)
     return np.sqrt(gain**2 * squared + (1 - gain) * own + (1 - share) * noise**2)
 
 

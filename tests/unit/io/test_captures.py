@@ -3,7 +3,7 @@ import pytest
 from PIL import Image
 from scipy.io import savemat
 
-from harmface.conventions import LUMINANCE, srgb_to_linear
+from harmface.conventions import LUMINANCE, linear_to_srgb, srgb_to_linear
 from harmface.errors import FileError
 from harmface.io import read_capture, read_mask, write_image
 
@@ -101,6 +101,20 @@ def test_srgb_is_undone_on_request_and_jpeg_remarked_on(tmp_path):
     decoded = read_capture([tmp_path], srgb=True)
     assert decoded.notes == ()
     assert np.allclose(decoded.images, srgb_to_linear(found.images), atol=1e-6)
+
+
+@pytest.mark.parametrize("said", [True, False])
+def test_files_are_believed_unless_the_caller_says_otherwise(tmp_path, said):
+    codes = np.linspace(0.1, 0.9, 24).reshape(SHAPE)
+    for number in range(3):
+        write_image(tmp_path / f"{number}.png", codes * (number + 1) / 3, bits=16, srgb=said)
+    stored = np.stack([codes * (number + 1) / 3 for number in range(3)])
+    # Half a code of 16 bits, times the steepest slope of the transfer curve.
+    atol = 12.92 / 2 / 65535
+    np.testing.assert_allclose(read_capture([tmp_path]).images, stored, atol=atol)
+    otherwise = read_capture([tmp_path], srgb=not said).images
+    change = linear_to_srgb if said else srgb_to_linear
+    np.testing.assert_allclose(otherwise, change(stored), atol=atol)
 
 
 def test_observations_saturated_in_any_channel_are_told(tmp_path):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harmface.conventions import map_frame, srgb_to_linear
+from harmface.conventions import linear_to_srgb, map_frame, srgb_to_linear
 from harmface.errors import ArgumentError, FileError, FileWarning
 from harmface.io.environment_maps import read_environment_map, write_environment_map
 from harmface.io.images import write_image
@@ -193,6 +193,9 @@ def test_srgb_is_undone_on_request(tmp_path):
     for srgb in (False, True):
         write_image(path, np.full((2, 4, 3), 0.5), bits=8, srgb=srgb)
         np.testing.assert_allclose(read_environment_map(path).radiance, 0.5, atol=0.005)
+    # But the caller knows better.
+    told = read_environment_map(path, srgb=False).radiance
+    np.testing.assert_allclose(told, linear_to_srgb(np.array(0.5)), atol=0.005)
 
 
 def test_srgb_of_linear_files_is_refused(hdr):
