@@ -71,7 +71,7 @@ def test_people_are_recognised_under_the_grid(run, yale, gallery):
     enrolled = 9 if gallery == "ninepoints" else 7
     assert best["probes"] == PEOPLE * (64 - enrolled)
     assert sum(each["probes"] for each in best["subsets"].values()) == best["probes"]
-    # Under grazing light, subset 5, other methods name rendered heads better; see the README.
+    # Under grazing light, subset 5, other methods name rendered heads better, see docs/limits.md.
     assert sum(best["subsets"][str(n)]["errors"] for n in (2, 3, 4)) == 0
     if gallery == "subset1":
         baselines = (methods["subspace"], methods["tan-triggs+nearest"])
