@@ -247,19 +247,33 @@ def convert(
     out: Annotated[
         Path | None, typer.Option(help="File to write, .npy for an array; else it is printed.")
     ] = None,
+    window: Annotated[
+        float | None,
+        typer.Option(
+            metavar="CUTOFF",
+            help="Multiply degree l by sinc(l / CUTOFF)^4 against ringing, as Filament's cmgen "
+            "does by default; its files do not say by which cutoff.",
+        ),
+    ] = None,
 ) -> None:
     """Convert lighting coefficients between tools: order, signs, factors and frame.
 
     Tools: harmface, three.js, filament (sh.txt), filament-radiance, unity, unreal, directx, kaolin,
-    mitsuba, pyshtools, healpy, scipy, pifu, deca, deep3d, dpr, sfsnet; glsl is only written.
+    mitsuba, pyshtools, healpy, scipy, pifu, deca, deep3d, dpr, sfsnet; glsl is only written. The
+    beginning of a name will do, as in three.
     docs/conventions.md says what each means by its numbers.
 
     Example: harmface light convert deca.npy --from deca --to three.js
     """
+    from harmface.conventions import max_degree_of
     from harmface.io import read_tool_coefficients, tool_text, write_tool_coefficients
+    from harmface.light import windowed
+    from harmface.light.interchange import filament_window
 
     claim_outputs(out, inputs=[file])
     light = read_tool_coefficients(file, source)
+    if window is not None:
+        light = windowed(light, filament_window(window, max_degree_of(light.shape[-1])))
     text = tool_text(light, target)
     if out is None:
         typer.echo(text, nl=False)

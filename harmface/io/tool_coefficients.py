@@ -37,7 +37,7 @@ def read_tool_coefficients(path: Path | str, tool: str) -> Float[np.ndarray, "ch
     path
         NPY, JSON or text; `.npz` and pickled files are refused.
     tool
-        "harmface" or a name of `light.interchange.TOOLS`.
+        "harmface" or a name of `light.interchange.TOOLS`, or what one of them alone begins with.
 
     Returns
     -------
@@ -51,11 +51,12 @@ def read_tool_coefficients(path: Path | str, tool: str) -> Float[np.ndarray, "ch
     FileError
         If the file does not hold what the tool writes.
     """
+    tool = _name(tool)
     if tool == OWN:
         return read_coefficients(path)
     if tool == GLSL:
         raise ArgumentError("glsl is only written; give the file that it was made from")
-    convention = _tool(tool)
+    convention = tool_named(tool)
     try:
         return convention.decode(_values(read_bytes(path, MAX_TEXT)))
     except FileError:
@@ -72,7 +73,8 @@ def tool_text(light: Float[np.ndarray, "channels K"], tool: str) -> str:
     light
         Coefficients.
     tool
-        "harmface", "glsl" or a name of `light.interchange.TOOLS`.
+        "harmface", "glsl" or a name of `light.interchange.TOOLS`, or what one of them alone begins
+        with.
 
     Returns
     -------
@@ -84,11 +86,12 @@ def tool_text(light: Float[np.ndarray, "channels K"], tool: str) -> str:
     ArgumentError
         If there is no such tool, or it cannot hold this light.
     """
+    tool = _name(tool)
     if tool == OWN:
         return json.dumps({"coefficients": light.tolist()}, indent=1) + "\n"
     if tool == GLSL:
         return glsl_uniforms(light)
-    values = _tool(tool).encode(light)
+    values = tool_named(tool).encode(light)
     if tool == THREE_JS.name:
         probe = {"type": "LightProbe", "intensity": 1, "sh": values.ravel().tolist()}
         return json.dumps({"object": probe}, indent=1) + "\n"
@@ -115,16 +118,18 @@ def write_tool_coefficients(
     light
         Coefficients.
     tool
-        "harmface", "glsl" or a name of `light.interchange.TOOLS`.
+        "harmface", "glsl" or a name of `light.interchange.TOOLS`, or what one of them alone begins
+        with.
 
     Raises
     ------
     ArgumentError
         If there is no such tool, or it cannot hold this light.
     """
+    tool = _name(tool)
     if Path(path).suffix.lower() == ".npy" and tool not in (OWN, GLSL):
         buffer = io.BytesIO()
-        np.save(buffer, _tool(tool).encode(light), allow_pickle=False)
+        np.save(buffer, tool_named(tool).encode(light), allow_pickle=False)
         data = buffer.getvalue()
     else:
         data = tool_text(light, tool).encode()
@@ -132,11 +137,15 @@ def write_tool_coefficients(
         file.write(data)
 
 
-def _tool(name: str) -> Any:
-    if name not in TOOLS:
-        known = ", ".join((OWN, *TOOLS, GLSL))
-        raise ArgumentError(f"tool must be one of {known}, got {name!r}")
-    return tool_named(name)
+def _name(tool: str) -> str:
+    """Return the whole name of a tool, of which a beginning will do if no other begins so."""
+    known = (OWN, *TOOLS, GLSL)
+    found = [name for name in known if name == tool] or [
+        name for name in known if tool and name.startswith(tool)
+    ]
+    if len(found) != 1:
+        raise ArgumentError(f"tool must be one of {', '.join(known)}, got {tool!r}")
+    return found[0]
 
 
 def _values(data: bytes) -> np.ndarray:

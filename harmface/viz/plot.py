@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from harmface.conventions import light_direction, linear_to_srgb
 from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, frame_orthographic, gbuffer
+from harmface.inverse import LightEstimate
 from harmface.light import DistantLight, EnvironmentMap, project
 from harmface.pca import EmpiricalPCA, LightingPCA
 from harmface.recognition import Gallery, SubjectClassifier
@@ -22,6 +23,7 @@ from harmface.stereo import StereoResult
 from harmface.viz.environments import environment_figure, show_linear
 from harmface.viz.evaluation import evaluation_figure
 from harmface.viz.harmonics import BACKGROUND
+from harmface.viz.inverse import light_figure
 from harmface.viz.modes import modes_figure
 
 SHOWN = 5
@@ -41,10 +43,10 @@ def plot(result: Any) -> Figure:
     Parameters
     ----------
     result
-        An environment map, directional lights, a mesh or what a camera sees of it, a stereo
-        result, analytic or empirical principal components, a gallery or a fitted classifier, or
-        what `harmface evaluate` found (a mapping of methods). Arrays have figures with names:
-        `basis_figure` for harmonic images, `explanation_figure` for answers.
+        An environment map, directional lights, the light of a photograph, a mesh or what a camera
+        sees of it, a stereo result, analytic or empirical principal components, a gallery or a
+        fitted classifier, or what `harmface evaluate` found (a mapping of methods). Arrays have
+        figures with names: `basis_figure` for harmonic images, `explanation_figure` for answers.
 
     Returns
     -------
@@ -85,6 +87,16 @@ def _lights(result: DistantLight) -> Figure:
     axes.set(xlabel="x, to the right", ylabel="y, up", title="lights, by direction", aspect="equal")
     axes.legend(frameon=False, fontsize=8)
     return figure
+
+
+@plot.register
+def _estimate(result: LightEstimate) -> Figure:
+    if len(result.shape) != 2:
+        raise ArgumentError(f"result must be of a picture, got one of shape {result.shape}")
+    mask = np.zeros(result.shape, bool)
+    mask.flat[np.concatenate(result.pixels.blocks)] = True
+    image = np.moveaxis(result.pixels.values.reshape(-1, *result.shape), 0, -1)
+    return light_figure(image[..., 0] if image.shape[-1] == 1 else image, result, mask)
 
 
 @plot.register

@@ -187,6 +187,25 @@ def test_coefficients_go_to_a_tool_and_back(run, name):
         assert np.allclose(read_coefficients("b.json"), light, atol=1e-9)
 
 
+def test_the_beginning_of_a_name_will_do_where_it_is_of_one_tool_alone(run):
+    Path("l.json").write_text(json.dumps({"coefficients": LIGHT.tolist()}))
+    whole, begun, exact = (
+        run("light", "convert", "l.json", "--from", "harm", "--to", name)
+        for name in ("three.js", "three", "filament")
+    )
+    assert begun.out == whole.out and '"LightProbe"' in begun.out
+    # Two names begin with it, and one of them is it.
+    assert "pre-scaled" in exact.out
+
+
+def test_a_window_fades_degrees_as_filament_does(run):
+    Path("l.json").write_text(json.dumps({"coefficients": LIGHT.tolist()}))
+    arguments = ("--from", "harmface", "--to", "harmface", "--window", 3, "--out", "w.json")
+    assert run("light", "convert", "l.json", *arguments).code == 0
+    factors = np.repeat([1, (3**1.5 / (2 * np.pi)) ** 4, (3**1.5 / (4 * np.pi)) ** 4], [1, 3, 5])
+    assert np.allclose(read_coefficients("w.json"), LIGHT * factors, rtol=1e-12)
+
+
 def test_glsl_is_the_matrix_of_rh01(run):
     Path("l.json").write_text(json.dumps({"coefficients": LIGHT.tolist()}))
     text = run("light", "convert", "l.json", "--from", "harmface", "--to", "glsl").out
@@ -217,6 +236,14 @@ BAD = [
         "tool must be one of harmface",
         ("light", "convert", "eight.json", "--from", "x", "--to", "deca"),
     ),
+    (
+        "tool must be one of harmface",
+        ("light", "convert", "own9.json", "--from", "harmface", "--to", "d"),
+    ),
+    (
+        "positive cutoff",
+        ("light", "convert", "own9.json", "--from", "harm", "--to", "deca", "--window", 0),
+    ),
     ("27 numbers", ("light", "convert", "eight.json", "--from", "deca", "--to", "dpr")),
     ("a square", ("light", "convert", "own8.json", "--from", "harmface", "--to", "deca")),
     ("finite", ("light", "convert", "nan.txt", "--from", "dpr", "--to", "deca")),
@@ -235,7 +262,8 @@ def test_bad_input_is_refused_in_one_line(check_refused, ball, tmp_path, message
     write_image(tmp_path / "black.png", np.zeros((40, 40)))
     write_image(tmp_path / "white.png", np.ones((40, 40)))
     (tmp_path / "eight.json").write_text(json.dumps([1.0] * 8))
-    (tmp_path / "own8.json").write_text(json.dumps({"coefficients": [[1.0] * 8]}))
+    for count in (8, 9):
+        (tmp_path / f"own{count}.json").write_text(json.dumps({"coefficients": [[1.0] * count]}))
     (tmp_path / "nan.txt").write_text(" ".join(["nan"] * 9))
     (tmp_path / "words.txt").write_text("none")
     check_refused(re.escape(message), *arguments)

@@ -10,6 +10,7 @@ References
 import numpy as np
 from jaxtyping import Float
 
+from harmface.errors import ArgumentError
 from harmface.light.interchange.convention import Convention
 from harmface.light.interchange.polynomials import CONDON_SHORTLEY, NINE, RADIOSITY
 
@@ -32,8 +33,8 @@ FILAMENT_RADIANCE = Convention(
 """What `--sh=3` writes without `--sh-irradiance`."""
 
 
-def filament_window(cutoff: float) -> Float[np.ndarray, "3"]:
-    """Return cmgen's window against ringing, `sinc(l / cutoff)**4` of degrees 0 to 2.
+def filament_window(cutoff: float, max_degree: int = 2) -> Float[np.ndarray, "degrees"]:
+    """Return cmgen's window against ringing, `sinc(l / cutoff)**4` of each degree l.
 
     cmgen applies it by default, with a cutoff that leaves no negative irradiance; files do not say
     which. `light.windowed` applies it.
@@ -42,11 +43,20 @@ def filament_window(cutoff: float) -> Float[np.ndarray, "3"]:
     ----------
     cutoff
         Degree from which the window is zero, above 0.
+    max_degree
+        Highest degree.
 
     Returns
     -------
     numpy.ndarray
-        Factor of each degree, shape (3,).
+        Factor of each degree, shape (max_degree + 1,).
+
+    Raises
+    ------
+    ArgumentError
+        If the cutoff is not a positive number.
     """
-    degree = np.arange(3)
+    if not (np.isfinite(cutoff) and cutoff > 0):
+        raise ArgumentError(f"window must be a positive cutoff in degrees, got {cutoff}")
+    degree = np.arange(max_degree + 1)
     return np.where(degree < cutoff, np.sinc(degree / cutoff) ** 4, 0)

@@ -7,6 +7,7 @@ from data_synth.shapes import bumpy_sphere
 from harmface.conventions import linear_to_srgb
 from harmface.errors import ArgumentError
 from harmface.geometry import frame_orthographic, gbuffer
+from harmface.inverse import estimate_light
 from harmface.light import EnvironmentMap, published_probe
 from harmface.pca import analytic_pca, attached_shadow_pca
 from harmface.recognition import SubjectClassifier, enroll
@@ -32,6 +33,7 @@ def results(mesh):
         "lights": lights,
         "mesh": mesh,
         "view": view,
+        "estimate": estimate_light(images[0], view.normals),
         "stereo": photometric_stereo(images, view.mask),
         "analytic": analytic_pca(view.normals[view.mask]),
         "empirical": attached_shadow_pca(
@@ -47,6 +49,7 @@ KINDS = (
     "lights",
     "mesh",
     "view",
+    "estimate",
     "stereo",
     "analytic",
     "empirical",
@@ -71,7 +74,17 @@ def test_the_error_of_stereo_has_a_scale_in_degrees(results):
     assert len(titles) == 5  # four pictures and a colour bar
 
 
-def test_other_things_are_refused():
+def test_the_photograph_of_an_estimate_is_shown_as_it_was_given(results):
+    titles = {axes.get_title(): axes for axes in plot(results["estimate"]).axes}
+    shown = titles["photograph"].images[0].get_array()
+    assert shown.shape == (32, 32) and 0.9 < shown.max() <= 1
+    assert not shown[~results["view"].mask].any()
+
+
+def test_other_things_are_refused(results):
+    normals = results["view"].normals[results["view"].mask]
+    with pytest.raises(ArgumentError, match="of a picture"):
+        plot(estimate_light(np.ones(len(normals)), normals))
     with pytest.raises(ArgumentError, match=r"one of .*EnvironmentMap.*got int"):
         plot(3)
 
