@@ -44,8 +44,8 @@ def project(
         typer.Option(
             "--format",
             metavar="TOOL",
-            help="Print, or write, as another tool has them: glsl, three.js, unity, filament, ... "
-            "(see `light convert`).",
+            help="Print, or write, as another tool has them: json, glsl, three, unity, filament "
+            "and more (see `light convert`).",
         ),
     ] = None,
     as_json: JsonOption = False,

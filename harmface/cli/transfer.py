@@ -33,7 +33,7 @@ def transfer(
         typer.Option(metavar="N|all", help="How often light goes from the surface to itself."),
     ] = "2",
     samples: Annotated[
-        int | None, typer.Option(help="Directions over the whole sphere; 4096 by default.")
+        int | None, typer.Option(help="Directions over the whole sphere; 8192 by default.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the directions.")] = 0,
     *,

@@ -138,7 +138,11 @@ def write_tool_coefficients(
 
 
 def _name(tool: str) -> str:
-    """Return the whole name of a tool, of which a beginning will do if no other begins so."""
+    """Return the whole name of a tool, of which a beginning will do if no other begins so.
+
+    "json" is our own.
+    """
+    tool = OWN if tool == "json" else tool
     known = (OWN, *TOOLS, GLSL)
     found = [name for name in known if name == tool] or [
         name for name in known if tool and name.startswith(tool)

@@ -359,3 +359,45 @@ def test_a_flat_picture_turns_its_light_only(show):
     light = rotate(GRACE, turned_by("y", 6 * STEP))
     assert page.state()["object_rotation"] == np.eye(3).tolist()
     assert_carried(page, mesh, (light @ images.reshape(9, -1)).T, in_picture)
+
+
+def fingers(page):
+    """Return a function that sends what a touch screen does, with any number of fingers."""
+    session = page.page.context.new_cdp_session(page.page)
+
+    def send(kind, *places):
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    return send
+
+
+def test_one_finger_turns_the_object(show, egg):
+    page = show(viewer(egg, GRACE).html)
+    size = min(page.page.evaluate("[view.clientWidth, view.clientHeight]"))
+    touch = fingers(page)
+    touch("touchStart", (150, 150))
+    touch("touchMove", (190, 130))
+    touch("touchEnd")
+    turn = turned_by("yx", 360 * 40 / size, -360 * 20 / size)
+    np.testing.assert_allclose(page.state()["object_rotation"], turn, atol=1e-12)
+    np.testing.assert_allclose(nine(page), GRACE, atol=1e-12)
+
+
+def test_two_fingers_turn_the_light_and_apart_they_zoom(show, egg):
+    page = show(viewer(egg, GRACE).html)
+    size = min(page.page.evaluate("[view.clientWidth, view.clientHeight]"))
+    before = page.picture()
+    touch = fingers(page)
+    touch("touchStart", (150, 150), (250, 150))
+    touch("touchMove", (190, 150), (290, 150))
+    touch("touchEnd")
+    assert page.state()["object_rotation"] == np.eye(3).tolist()
+    turned = rotate(GRACE, turned_by("y", 360 * 40 / size))
+    np.testing.assert_allclose(nine(page), turned, atol=1e-12)
+    ground = before[5, 5]
+    touch("touchStart", (150, 150), (250, 150))
+    touch("touchMove", (130, 150), (270, 150))
+    touch("touchEnd")
+    closer = page.picture()
+    assert (closer != ground).any(axis=-1).sum() > 1.2 * (before != ground).any(axis=-1).sum()

@@ -40,6 +40,12 @@ def test_project_writes_what_other_tools_read(run, check_refused, smooth, tmp_pa
     run("envmap", "project", smooth, "--format", "deca", "--out", "deca.json")
     assert (tmp_path / "deca.json").read_text() == printed
     assert np.allclose(read_tool_coefficients(tmp_path / "deca.json", "deca"), coefficients)
+    for short, name in (("three", "three.js"), ("json", "harmface")):
+        both = [run("envmap", "project", smooth, "--format", each).out for each in (short, name)]
+        assert both[0] == both[1]
+        (tmp_path / f"{short}.json").write_text(both[0])
+        read = read_tool_coefficients(tmp_path / f"{short}.json", short)
+        assert np.allclose(read, coefficients)
     refused = ("envmap", "project", smooth, "--out", "none.json", "--format")
     check_refused("tool must be one of harmface, three.js", *refused, "maya")
     check_refused("--json and --format are two ways to print", *refused, "unity", "--json")

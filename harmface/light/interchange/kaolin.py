@@ -3,7 +3,8 @@
 References
 ----------
 .. [KAO] NVIDIAGameWorks/kaolin, kaolin/render/lighting/sh.py: `project_onto_sh9` with the
-   Condon-Shortley phase, `sh9_irradiance` with pi, 2 pi / 3, pi / 4.
+   Condon-Shortley phase, `sh9_irradiance` with pi, 2 pi / 3, pi / 4; kaolin/render/camera/
+   coordinates.py: right-handed, y up, z out of the screen.
 """
 
 from harmface.light.interchange.convention import Convention
@@ -17,4 +18,4 @@ KAOLIN = Convention(
     stored="radiance, odd orders negative",
     source="NVIDIAGameWorks/kaolin kaolin/render/lighting/sh.py",
 )
-"""Axes are those of the normals given to it, taken as ours: y up, the camera looks along -z."""
+"""Axes are those of the normals given to it; in its own frame they are ours."""
