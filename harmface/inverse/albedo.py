@@ -160,6 +160,10 @@ def _fitted(
         # The level is free: what a change of it explains is taken out of the slopes.
         centred = slope - (slope @ weights / weights.sum())[:, None]
         hessian = (centred * weights) @ centred.T + (rows * edge_weights) @ rows.T
+        # Of slopes that are the same everywhere only rounding is left.
+        sizes = np.sqrt((slope**2) @ weights)
+        rounding = own.size * np.finfo(np.float64).eps * np.outer(sizes, sizes)
+        hessian = np.where(np.abs(hessian) > rounding, hessian, 0)
         scores = centred * (weights * pixels)
         edge_scores = rows * (edge_weights * edges)
         gradient = scores.sum(axis=1) + edge_scores.sum(axis=1)

@@ -113,7 +113,8 @@ def estimate_light(
     """
     normals = checks.vectors("normals", normals)
     pixels = normals.shape[:-1]
-    values = _flat("image", checks.intensities("image", image), pixels)
+    image = checks.intensities("image", image)
+    values = _flat("image", image, pixels)
     shade = _flat("albedo", checks.non_negative("albedo", albedo), pixels)
     count = harmonic_count(checks.degree("degree", degree))
     grid = (normals != 0).any(axis=-1)

@@ -216,6 +216,17 @@ def test_glsl_is_the_matrix_of_rh01(run):
     assert np.append(n, 1) @ matrix @ np.append(n, 1) == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize("albedo", [(), ("--albedo", "constant")])
+def test_a_wall_seen_from_the_front_determines_no_coefficient_alone(run, rng, albedo):
+    np.save("wall.npy", np.tile([0.0, 0.0, 1.0], (40, 40, 1)))
+    write_image("wall.png", 0.5 + 0.01 * rng.random((40, 40)), bits=16, srgb=False)
+    found = run("light", "wall.png", "--normals", "wall.npy", *albedo, "--json")
+    assert found.code == 0
+    told = json.loads(found.out)
+    assert not any(told["determined"])
+    assert "tells nothing of coefficients (0, 0), (1, -1)" in told["notes"][0]
+
+
 BAD = [
     ("either --mesh", ("light", "ball.png")),
     ("either --mesh", ("light", "ball.png", "--mesh", "a.ply", "--normals", "normals.npy")),
@@ -245,6 +256,7 @@ BAD = [
         ("light", "convert", "own9.json", "--from", "harm", "--to", "deca", "--window", 0),
     ),
     ("27 numbers", ("light", "convert", "eight.json", "--from", "deca", "--to", "dpr")),
+    ("27 numbers", ("light", "convert", "more.json", "--from", "sfsnet", "--to", "dpr")),
     ("a square", ("light", "convert", "own8.json", "--from", "harmface", "--to", "deca")),
     ("finite", ("light", "convert", "nan.txt", "--from", "dpr", "--to", "deca")),
     ("only written", ("light", "convert", "nan.txt", "--from", "glsl", "--to", "deca")),
@@ -262,6 +274,7 @@ def test_bad_input_is_refused_in_one_line(check_refused, ball, tmp_path, message
     write_image(tmp_path / "black.png", np.zeros((40, 40)))
     write_image(tmp_path / "white.png", np.ones((40, 40)))
     (tmp_path / "eight.json").write_text(json.dumps([1.0] * 8))
+    (tmp_path / "more.json").write_text(json.dumps([1.0] * 26))
     for count in (8, 9):
         (tmp_path / f"own{count}.json").write_text(json.dumps({"coefficients": [[1.0] * count]}))
     (tmp_path / "nan.txt").write_text(" ".join(["nan"] * 9))

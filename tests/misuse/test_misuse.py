@@ -5,7 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from harmface import conventions, geometry, light, pca, recognition, rendering, sphere, stereo
+from harmface import (
+    conventions,
+    geometry,
+    inverse,
+    light,
+    pca,
+    recognition,
+    rendering,
+    sphere,
+    stereo,
+)
 from harmface.errors import HarmfaceError
 
 RNG = np.random.default_rng(0)
@@ -203,6 +213,14 @@ CALLS = {
             stereo.photometric_stereo(images, mask, method="known-lights", light=light).normals
         ),
         {"images": STACK, "mask": BALL, "light": LAMPS},
+    ),
+    "estimate_light": (
+        lambda image, normals, albedo: inverse.estimate_light(image, normals, albedo).coefficients,
+        {"image": STACK.mean(axis=0), "normals": NORMALS, "albedo": 1 + DEPTH[:1, :1] * BALL},
+    ),
+    "relight_photograph": (
+        inverse.relight_photograph,
+        {"photo": STACK[0], "before": STACK[1] + 1, "after": STACK[2] + 1, "mask": BALL},
     ),
     "photometric_stereo, light unknown": (
         lambda images, mask: stereo.photometric_stereo(images, mask, method="4d").normals,
