@@ -54,7 +54,7 @@ MethodOption = Annotated[
         help="How to compare: best, whatever was enrolled; of photographs local, whitened, robust, "
         "registered, subspace, likelihood, cone, correlation, nearest, eigenfaces, eigenfaces-3, "
         "fisherfaces, gradient-direction, lbph, dlib (a network, of the extra harmface[peers]); of "
-        "meshes also 3d, 4d, 9d, 16d, 25d, "
+        "meshes also 3d, 4d, 9d, 16d, 25d, glossy (9d and highlights), "
         "non-negative-4d, non-negative-9d. Before one may stand framed+ (how probes are framed is "
         "searched for), what subjects are known by, relit+ "
         "(photographs and what their surfaces look like under other light), harmonic+ or "

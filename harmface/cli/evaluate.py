@@ -86,9 +86,9 @@ def evaluate(
     """Measure recognisers on photographs: who is named wrongly, by lighting subset.
 
     What is not in the gallery is a probe, the same for all methods. Photographs must be cropped
-    alike. Intervals hold 95 % of 2000 bootstrap samples, in which chance draws the subjects. With
-    --out, a run that was stopped goes on with the method it was at when the same command is given
-    again.
+    alike. Intervals hold 95 % of 2000 bootstrap samples, in which chance draws the subjects; where
+    no probe is misnamed they are Clopper and Pearson's, as if probes were independent. With --out,
+    a run that was stopped goes on with the method it was at when the same command is given again.
 
     Methods are compared with the first, probe by probe: which of the two is wrong alone. p is that
     of McNemar's exact test, which takes probes for independent; those of one subject are not, which

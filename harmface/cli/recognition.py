@@ -147,7 +147,8 @@ def recognize(
     norm, 0 being a perfect fit. The margin is how much nearer the first subject is than the
     second: 0 is a tie. The probability takes the image for one of somebody enrolled; it and the
     threshold of --reject are estimated from photographs of the gallery (of a mesh: pictures under
-    nine lights).
+    nine lights). An image that is farther from everybody than photographs that were held out is
+    named in a note: it may show no face.
 
     Example: harmface recognize gallery.npz probe.png --top 5
 
@@ -197,6 +198,11 @@ def recognize(
         if motions is not None:
             result["framing"] = asdict(motions[row])
             _tell_framing(path, motions[row], enrolled.mask.shape[0])
+        farthest = classifier.farthest_held_out
+        result["far_from_all"] = None
+        if farthest is not None:
+            result["far_from_all"] = bool(distances[row].min() > farthest)
+            _tell_far(path, float(distances[row].min()), farthest)
         if rejection is not None and in_place is not None:
             result["margin_in_place"] = float(in_place[row])
             result["known"] = result["margin_in_place"] > rejection["least_margin"]
@@ -268,6 +274,17 @@ def _tell_framing(path: Path, motion: "Motion", rows: int) -> None:
             f"note: {path}: is framed otherwise than the gallery, {motion.right:+.1f} pixels to "
             f"the right, {motion.down:+.1f} down, turned by {motion.rotation:+.1f} degrees and "
             f"{motion.scale:.2f} times as large; it was moved",
+            highlight=False,
+            soft_wrap=True,
+        )
+
+
+def _tell_far(path: Path, distance: float, farthest: float) -> None:
+    if distance > farthest:
+        errors.print(
+            f"note: {path}: is {distance:.3f} from the nearest subject, photographs that were held "
+            f"out at most {farthest:.3f}: it shows no face framed as the gallery, or one in harder "
+            "light; crop it as the gallery is, see `harmface align`",
             highlight=False,
             soft_wrap=True,
         )

@@ -147,6 +147,11 @@ def registered(
         if the two cannot be brought to correlate.
     reference
         The frame of the other photograph.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (2, 3), see `frame_to_photograph`.
     """
     template = edges(reference)
     everywhere = np.ones(template.shape, bool)
@@ -159,14 +164,40 @@ def registered(
 def composed(
     matrix: Float[np.ndarray, "2 3"], motion: Motion, size: tuple[int, int]
 ) -> Float[np.ndarray, "2 3"]:
-    """Return the map from the frame to the photograph, after a motion within the frame."""
+    """Return the map from the frame to the photograph, after a motion within the frame.
+
+    Parameters
+    ----------
+    matrix
+        See `frame_to_photograph`.
+    motion
+        Within the frame, in its pixels.
+    size
+        Rows and columns of the frame.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (2, 3), see `frame_to_photograph`.
+    """
     inner = motion.matrix(size).astype(np.float64)
     inner[:, 2] += 0.5 - inner[:, :2] @ [0.5, 0.5]
     return matrix @ np.vstack([inner, [0, 0, 1]])
 
 
 def edges(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "h w"]:
-    """Return the strength of the gradient of the logarithm, against that around, less its mean."""
+    """Return the strength of the gradient of the logarithm, against that around, less its mean.
+
+    Parameters
+    ----------
+    image
+        Luminance, (h, w); below 0 counts as 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (h, w), of mean 0, in float32.
+    """
     bright = max(float(np.percentile(image, 99)), np.finfo(np.float32).tiny)
     logarithm = np.log(np.maximum(image, 0).astype(np.float32) / bright + FLOOR)
     smooth = cv2.GaussianBlur(logarithm, (0, 0), max(1.0, image.shape[0] / BLUR))

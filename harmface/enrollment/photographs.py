@@ -38,6 +38,11 @@ def from_known_lights(
     lights
         Unit direction to the light of each.
 
+    Returns
+    -------
+    dict of str to RelitSubject
+        By subject, in sorted order.
+
     Raises
     ------
     ArgumentError
@@ -86,6 +91,11 @@ def from_stereo(
         Whether the subject is symmetric about the middle of its photographs, as faces are: what
         settles the surface under unknown light.
 
+    Returns
+    -------
+    RelitSubject
+        In the photographs' frame and unit.
+
     Raises
     ------
     ArgumentError
@@ -116,6 +126,11 @@ def with_relit(gallery: Gallery) -> Gallery:
     ----------
     gallery
         Photographs of known light.
+
+    Returns
+    -------
+    Gallery
+        As given otherwise.
 
     Raises
     ------

@@ -73,6 +73,11 @@ class RelitSubject:
         ----------
         lights
             Unit direction to each light, of irradiance 1.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (J, H, W), in the photographs' unit, in float64.
         """
         light = DistantLight(lights, np.eye(len(lights)))
         return render(self.view, light, caster=self.mesh)
@@ -88,6 +93,11 @@ class RelitSubject:
             Highest degree of the light.
         cast_shadows
             Whether to cast rays for the shadows of the surface on itself.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (K, H, W), in the photographs' unit: irradiance times albedo under each harmonic.
         """
         if cast_shadows:
             return shadowed_harmonic_images(self.view, self.mesh, degree)

@@ -19,6 +19,16 @@ def margins(distances: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n"]:
 
     0 is a tie, 1 certainty.
 
+    Parameters
+    ----------
+    distances
+        Of every probe to every subject, at least two, (n, N), at least 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), in [0, 1].
+
     Raises
     ------
     ArgumentError
@@ -42,6 +52,17 @@ def posteriors(distances: Float[np.ndarray, "n N"], independent: float) -> Float
     independent
         How many pixels err independently: their number less the dimension of the subspace for
         the camera's noise, far fewer for errors that neighbours share.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, N), each row of sum 1.
+
+    Raises
+    ------
+    ArgumentError
+        If there are fewer than two subjects, a distance is negative or NaN, or `independent` is not
+        above 0.
     """
     distances = _of_subjects(distances)
     if not (np.isfinite(independent) and independent > 0):
@@ -57,6 +78,16 @@ def likelihood_posteriors(log: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n
     ----------
     log
         Logarithms of the likelihoods, see `likelihoods`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, N), each row of sum 1.
+
+    Raises
+    ------
+    ArgumentError
+        On NaN or infinity.
     """
     return softmax(checks.finite("log", log), axis=1)
 
@@ -76,6 +107,17 @@ def estimated_light(
         Images as rows of pixels.
     images
         Harmonic images of the subject that each probe is compared with.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, K): harmonic coefficients of the light, in the unit of the probes over that of
+        the images.
+
+    Raises
+    ------
+    ArgumentError
+        On NaN, an all-black probe, or images of other pixels or of another number than the probes.
     """
     images = checks.finite("images", images)
     probes = checked_probes(probes, images.shape[-1])

@@ -121,6 +121,11 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         method
             A name or a `Distance`; the classifier has the name that "best" stands for.
 
+        Returns
+        -------
+        SubjectClassifier
+            Fitted.
+
         Raises
         ------
         ArgumentError
@@ -140,7 +145,22 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         known: Trials,
         held_out: Trials | None,
     ) -> "SubjectClassifier":
-        """Return a classifier as `from_gallery` made it, from its attributes."""
+        """Return a classifier as `from_gallery` made it, from its attributes.
+
+        Parameters
+        ----------
+        gallery
+            As `gallery_`.
+        method
+            A name or a `Distance`; not "best".
+        model, known, held_out
+            As `model_`, `known_` and `held_out_`.
+
+        Returns
+        -------
+        SubjectClassifier
+            Fitted.
+        """
         made = cls(method, gallery.mask.shape, gallery.mask, gallery.aligned)
         made.n_features_in_ = gallery.mask.size
         made.gallery_, made.classes_ = gallery, gallery.names
@@ -157,6 +177,11 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
             Linear images as rows of all their pixels, (images, pixels): of one frame.
         y
             The subject of each image.
+
+        Returns
+        -------
+        SubjectClassifier
+            Itself.
 
         Raises
         ------
@@ -205,7 +230,18 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         return Trials(np.concatenate(found), np.concatenate(truths))
 
     def distances(self, X: Any) -> Float[np.ndarray, "n N"]:
-        """Return the distance of every image to every subject of `classes_`."""
+        """Return the distance of every image to every subject of `classes_`.
+
+        Parameters
+        ----------
+        X
+            Linear images as rows of all their pixels, (n, pixels), in the unit of those of `fit`.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), at least 0, with a column for each of `classes_`.
+        """
         check_is_fitted(self)
         X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
         mask = self.gallery_.mask
@@ -216,6 +252,16 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
         Strangers are told by these: under the best of many places a stranger comes near to
         somebody, too, which the photographs that `rejection` rests on were not let do.
+
+        Parameters
+        ----------
+        X
+            Linear images as rows of all their pixels, (n, pixels), in the unit of those of `fit`.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), at least 0, with a column for each of `classes_`.
         """
         check_is_fitted(self)
         X = validate_data(self, X, dtype=[np.float64, np.float32], reset=False)
@@ -226,6 +272,18 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Return the `distances`, and how each image lies against the frame of the gallery.
 
         That is None of methods that do not search for it, see `framed`.
+
+        Parameters
+        ----------
+        X
+            Linear images as rows of all their pixels, (n, pixels), in the unit of those of `fit`.
+
+        Returns
+        -------
+        distances : numpy.ndarray
+            Shape (n, N), see `distances`.
+        motions : list of Motion or None
+            Shift in pixels, turn in degrees and scale of each image.
         """
         check_is_fitted(self)
         if self.distance_.of_framed is self.distance_:
@@ -242,6 +300,16 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
         They are negated distances, (n, subjects); with two subjects scikit-learn asks for one
         score, (n,): how much nearer the second is, as the logarithm of the distances' ratio.
+
+        Parameters
+        ----------
+        X
+            Linear images as rows of all their pixels, (n, pixels), in the unit of those of `fit`.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), or (n,) of two subjects.
         """
         distances = self.distances(X)
         if len(self.classes_) == 2:
@@ -250,7 +318,18 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         return -distances
 
     def predict(self, X: Any) -> np.ndarray:
-        """Return the nearest subject of every image."""
+        """Return the nearest subject of every image.
+
+        Parameters
+        ----------
+        X
+            Linear images as rows of all their pixels, (n, pixels), in the unit of those of `fit`.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n,): names of `classes_`.
+        """
         nearest = self.distances(X).argmin(axis=1)
         return self.classes_[nearest]
 
@@ -258,6 +337,16 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Return the probability of every subject of `classes_`, given that it is one of them.
 
         See `probabilities`.
+
+        Parameters
+        ----------
+        X
+            Linear images as rows of all their pixels, (n, pixels), in the unit of those of `fit`.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), each row of sum 1.
         """
         return self.probabilities(self.distances(X))
 
@@ -266,8 +355,30 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Whether there are probabilities: photographs enough to estimate them from."""
         return self.held_out_ is not None and len(self.classes_) > 1
 
+    @property
+    def farthest_held_out(self) -> float | None:
+        """Greatest distance to the nearest subject, of other people's photographs held out.
+
+        What is farther from everybody shows no face in the gallery's frame, or one under harder
+        light than theirs. None of methods that do not learn from other people: a gallery's own
+        photographs may all be in easy light.
+        """
+        if self.held_out_ is None or not self.distance_.learns:
+            return None
+        return float(self.held_out_.distances.min(axis=1).max())
+
     def probabilities(self, distances: Float[np.ndarray, "n N"]) -> Float[np.ndarray, "n N"]:
         """Return the `posteriors` of distances, with the `independence` that the gallery tells.
+
+        Parameters
+        ----------
+        distances
+            Of `distances` or `placed`, (n, N).
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), each row of sum 1.
 
         Raises
         ------
@@ -293,6 +404,16 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         ----------
         rate
             Wanted share of strangers that are taken for somebody.
+
+        Returns
+        -------
+        Rejection
+            The least margin of a probe that is believed.
+
+        Raises
+        ------
+        ArgumentError
+            If the gallery has fewer than three subjects, or too few photographs.
         """
         few = len(self.known_.truth) < FEWEST_STRANGERS
         trials = self.held_out_ if few and self.held_out_ is not None else self.known_
@@ -304,6 +425,20 @@ class SubjectClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Return what a subject looks like at its most alike to each probe, and in which light.
 
         See `Distance.explained`.
+
+        Parameters
+        ----------
+        images
+            Linear photographs, (n, rows, columns).
+        which
+            Column of the subject to compare each with, (n,).
+
+        Returns
+        -------
+        pictures : numpy.ndarray
+            Shape (n, rows, columns), in the images' unit.
+        light : numpy.ndarray or None
+            Shape (n, K): harmonic coefficients; None if subjects are known by photographs alone.
         """
         check_is_fitted(self)
         return self.distance_.explained(self.gallery_, images, which)

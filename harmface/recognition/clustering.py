@@ -44,6 +44,16 @@ def conic_affinity(images: Float[np.ndarray, "n p"]) -> Float[np.ndarray, "n n"]
     ----------
     images
         Linear photographs as rows of pixels, none all black.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, n), symmetric, at least 0, with a diagonal of zeros.
+
+    Raises
+    ------
+    ArgumentError
+        If there are fewer than two images, or one is negative or all black.
     """
     images = checked_probes(checks.non_negative("images", images), images.shape[1])
     if len(images) < 2:
@@ -67,6 +77,11 @@ def mutual_distances(gallery: Gallery, distance: Distance) -> Float[np.ndarray, 
         Photographs, of which the subjects play no part.
     distance
         One that a single photograph of a subject is enough for; the mean of both ways is taken.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, n), symmetric, at least 0.
     """
     images = gallery.photographs.images
     each = replace(gallery, photographs=Photographs(np.arange(len(images)), images))
@@ -87,6 +102,11 @@ def neighbours_of(images: int, subjects: int | None = None) -> int:
         How many there are.
     subjects
         How many of these there are, if known.
+
+    Returns
+    -------
+    int
+        At least 1.
     """
     enough = int(np.ceil(2 * np.log(images)))
     others = images - 1 if subjects is None else images // subjects - 1
@@ -104,6 +124,11 @@ def neighbour_affinity(
         Of every image to every other.
     neighbours
         How many of the nearest images are neighbours of an image, from 1 to n - 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, n), symmetric, of 0, 1/2 and 1.
 
     Raises
     ------
@@ -160,6 +185,11 @@ def cluster_subjects(
     seed
         Of the clustering's starting points.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), from 0 to `subjects - 1`, in int64.
+
     Raises
     ------
     ArgumentError
@@ -184,6 +214,11 @@ def kmeans_subjects(
     seed
         Of the clustering's ten starting points.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), from 0 to `subjects - 1`, in int64.
+
     Raises
     ------
     ArgumentError
@@ -197,6 +232,18 @@ def kmeans_subjects(
 
 def purity(found: Integer[np.ndarray, "n"], truth: Shaped[np.ndarray, "n"]) -> float:
     """Return the share of images that show the subject that most images of their group show.
+
+    Parameters
+    ----------
+    found
+        Number of each image's group.
+    truth
+        Name of each image's subject.
+
+    Returns
+    -------
+    float
+        In (0, 1].
 
     Examples
     --------

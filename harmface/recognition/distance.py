@@ -61,12 +61,38 @@ class Distance(ABC):
 
     @abstractmethod
     def fit(self, gallery: Gallery) -> Model:
-        """Return what is to be known of the subjects of a gallery."""
+        """Return what is to be known of the subjects of a gallery.
+
+        Parameters
+        ----------
+        gallery
+            Who was enrolled.
+
+        Returns
+        -------
+        mapping of str to numpy.ndarray
+            Arrays by name, which a file can hold.
+
+        Raises
+        ------
+        ArgumentError
+            If the gallery does not hold the images of `source`.
+        """
 
     def searched(self, model: Model) -> Model:
         """Return the model to search for a probe's place with, where another is better for that.
 
         A distance that absorbs small motion need not where motion is searched for.
+
+        Parameters
+        ----------
+        model
+            From `fit`.
+
+        Returns
+        -------
+        mapping of str to numpy.ndarray
+            Such as `distances` takes.
         """
         return model
 
@@ -84,12 +110,30 @@ class Distance(ABC):
             Linear photographs.
         mask
             Pixels that are compared: those of the gallery.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), subjects in the order of `Gallery.names`.
         """
 
     def light(
         self, probes: Float[np.ndarray, "n p"], images: Float[np.ndarray, "n K p"]
     ) -> Float[np.ndarray, "n K"]:
-        """Return the light under which harmonic images look most like each probe."""
+        """Return the light under which harmonic images look most like each probe.
+
+        Parameters
+        ----------
+        probes
+            Images as rows of pixels, (n, p).
+        images
+            Harmonic images of the subject that each probe is compared with, (n, K, p).
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, K): harmonic coefficients.
+        """
         return estimated_light(probes, images)
 
     def explained(
@@ -111,6 +155,13 @@ class Distance(ABC):
             Linear photographs.
         which
             Number of the subject to compare each with.
+
+        Returns
+        -------
+        pictures : numpy.ndarray
+            Shape (n, rows, columns), in the probes' unit; of photographs, zero outside the mask.
+        light : numpy.ndarray or None
+            Shape (n, K): harmonic coefficients, those that play no part zero.
         """
         mask, each = gallery.mask, gallery.spanning(self.source, self.harmonics)
         pixels = probes[:, mask].astype(np.float64)

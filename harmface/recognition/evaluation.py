@@ -2,6 +2,8 @@
 
 References
 ----------
+.. [CP34] Clopper and Pearson, The Use of Confidence or Fiducial Limits Illustrated in the Case of
+   the Binomial, Biometrika 1934.
 .. [P75] Pickands, Statistical Inference Using Extreme Order Statistics, Annals of Statistics 1975.
 .. [P99] Platt, Probabilistic Outputs for Support Vector Machines, 1999.
 """
@@ -52,6 +54,18 @@ class ErrorRate:
 def spread(count: int, most: int) -> Integer[np.ndarray, "_"]:
     """Return at most so many of the indices 0 to `count - 1`, evenly spread.
 
+    Parameters
+    ----------
+    count
+        How many indices there are, at least 1.
+    most
+        How many are wanted, at least 1.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (min(count, most),), ascending, in int64.
+
     Examples
     --------
     >>> spread(9, 3).tolist(), spread(2, 3).tolist()
@@ -71,6 +85,11 @@ def misnamed(
         Of every probe to every subject.
     truth
         Column of each probe's subject.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), boolean.
     """
     distances, truth = _checked(distances, truth)
     return distances.argmin(axis=1) != truth
@@ -81,7 +100,27 @@ def errors_by_subset(
     truth: Integer[np.ndarray, "n"],
     subset: Integer[np.ndarray, "n"],
 ) -> dict[int, ErrorRate]:
-    """Return the rank-1 errors of every subset of the probes, such as those of the Yale grid."""
+    """Return the rank-1 errors of every subset of the probes, such as those of the Yale grid.
+
+    Parameters
+    ----------
+    distances
+        Of every probe to every subject, (n, N).
+    truth
+        Column of each probe's subject.
+    subset
+        Number of each probe's subset.
+
+    Returns
+    -------
+    dict of int to ErrorRate
+        By the number of the subset.
+
+    Raises
+    ------
+    ArgumentError
+        If probes, truth and subset differ in number.
+    """
     wrong = misnamed(distances, truth)
     if subset.shape != wrong.shape:
         raise ArgumentError(f"subset must number each of {wrong.size} probes, got {subset.shape}")
@@ -97,6 +136,18 @@ def cumulative_match(
     """Return the CMC: the fraction of probes whose subject is among the nearest 1, 2, ..., N.
 
     Subjects as near as the probe's own count as nearer.
+
+    Parameters
+    ----------
+    distances
+        Of every probe to every subject, (n, N).
+    truth
+        Column of each probe's subject.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (N,), ascending to 1.
     """
     distances, truth = _checked(distances, truth)
     own = distances[np.arange(len(truth)), truth]
@@ -111,6 +162,20 @@ def receiver_operating(
     """Return the ROC of verification: false-accept rates and the true-accept rates reached.
 
     Every pair of a probe and a subject is a claim, accepted if the distance is small enough.
+
+    Parameters
+    ----------
+    distances
+        Of every probe to every subject, (n, N).
+    truth
+        Column of each probe's subject.
+
+    Returns
+    -------
+    false_accepts : numpy.ndarray
+        Shape (t,), ascending from 0 to 1.
+    true_accepts : numpy.ndarray
+        Shape (t,), ascending from 0 to 1.
     """
     distances, truth = _checked(distances, truth)
     genuine = np.arange(distances.shape[1]) == truth[:, None]
@@ -124,6 +189,16 @@ def relative_distances(distances: Float[np.ndarray, "n N"]) -> Float[np.ndarray,
     Hard light makes a probe far from everybody; who is near in comparison is told as well as in
     easy light. Of the nearest subject it is 1 less the margin of `margins`. False accepts by it
     are of people who are enrolled under another name; of strangers see `rejection_by_margin`.
+
+    Parameters
+    ----------
+    distances
+        Of every probe to every subject, (n, N), at least 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, N), at least 0; below 1 for one subject of a probe at most.
 
     Raises
     ------
@@ -149,19 +224,34 @@ def bootstrap_interval(
 ) -> tuple[float, float]:
     """Return the percentile interval of the error rate, subjects being what chance draws.
 
-    Whole subjects are drawn with replacement, since the probes of one fail together.
+    Whole subjects are drawn with replacement, since the probes of one fail together. Where no probe
+    failed, or all did, every draw is alike and tells nothing; the interval is then the exact one of
+    a binomial share ([CP34]_), which takes probes for independent: 0 of `n` errors may still be a
+    rate of `1 - ((1 - level) / 2)^(1 / n)`. It is too narrow if probes of a subject fail together.
 
     Parameters
     ----------
     wrong
-        Which probes were misnamed; or how many errors more each is than in another method: 1, 0
-        or -1.
+        Which probes were misnamed, boolean; or how many errors more each is than in another method:
+        1, 0 or -1. Of these, none at all gives the same bound to both sides.
     truth
         Subject of each probe.
     rng
         Generator or seed.
     level
         Coverage, in (0, 1).
+
+    Returns
+    -------
+    low : float
+        Lower end, as a fraction.
+    high : float
+        Upper end, as a fraction.
+
+    Raises
+    ------
+    ArgumentError
+        If the level is not in (0, 1), or there is not a subject for each probe.
     """
     rng = checks.generator(rng)
     if not 0 < level < 1:
@@ -171,6 +261,11 @@ def bootstrap_interval(
             f"truth must name the subject of each of {wrong.size} probes, at least one, "
             f"got {truth.size}"
         )
+    if not wrong.any() or (wrong.dtype == bool and wrong.all()):
+        most = 1 - ((1 - level) / 2) ** (1 / wrong.size)
+        if wrong.dtype != bool:
+            return -most, most
+        return (1 - most, 1.0) if wrong[0] else (0.0, most)
     _, which = np.unique(truth, return_inverse=True)
     probes = np.bincount(which)
     errors = np.bincount(which, weights=wrong)
@@ -193,6 +288,11 @@ def independence(distances: Float[np.ndarray, "n N"], truth: Integer[np.ndarray,
         Of every image to every subject.
     truth
         Column of each image's subject.
+
+    Returns
+    -------
+    float
+        From 0 to `MOST_PIXELS`.
 
     Raises
     ------
@@ -252,6 +352,11 @@ def rejection_by_margin(
     rate
         Wanted false-accept rate, in (0, 1).
 
+    Returns
+    -------
+    Rejection
+        The least margin, and what it rests on.
+
     Raises
     ------
     ArgumentError
@@ -310,6 +415,11 @@ def reliability(
         Of every subject for every probe.
     truth
         Column of each probe's subject.
+
+    Returns
+    -------
+    Reliability
+        Claims and shares in tenths.
     """
     probabilities, truth = _checked(probabilities, truth)
     top = probabilities.max(axis=1)

@@ -25,6 +25,11 @@ def in_frame_of(gallery: Gallery, others: Photographs) -> Photographs:
     others
         Photographs that show at least as much of the head, alike framed.
 
+    Returns
+    -------
+    Photographs
+        Of the size of the gallery's.
+
     Raises
     ------
     ArgumentError

@@ -49,7 +49,18 @@ class Photographs:
         return np.ones(self.images.shape[1:], bool)
 
     def chosen(self, which: np.ndarray) -> "Photographs":
-        """Return some of the photographs, by a mask or by their numbers."""
+        """Return some of the photographs, by a mask or by their numbers.
+
+        Parameters
+        ----------
+        which
+            Boolean, one for each photograph, or integer indices.
+
+        Returns
+        -------
+        Photographs
+            In the order of the numbers.
+        """
         return Photographs(self.subjects[which], self.images[which])
 
 
@@ -146,6 +157,11 @@ class Gallery:
         harmonics
             Which of the harmonic images, by their flat index.
 
+        Returns
+        -------
+        list of numpy.ndarray
+            For each of `names`, (images, rows, columns).
+
         Raises
         ------
         ArgumentError
@@ -178,7 +194,18 @@ class Gallery:
         return [images[subjects == name] for name in self.names]
 
     def chosen(self, which: np.ndarray) -> "Gallery":
-        """Return the gallery with some of its photographs, by a mask or by their numbers."""
+        """Return the gallery with some of its photographs, by a mask or by their numbers.
+
+        Parameters
+        ----------
+        which
+            Boolean, one for each photograph, or integer indices.
+
+        Returns
+        -------
+        Gallery
+            All else as it is; subjects without a photograph left are gone.
+        """
         lights = None if self.lights is None else self.lights[which]
         return replace(self, photographs=self.photographs.chosen(which), lights=lights)
 

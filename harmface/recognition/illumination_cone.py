@@ -52,6 +52,11 @@ def scaled_normals(images: Float[np.ndarray, "n p"]) -> Float[np.ndarray, "3 p"]
     images
         Linear photographs under single lamps as rows of pixels, at least 3, none all black.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (3, p), in float64.
+
     Raises
     ------
     ArgumentError
@@ -150,6 +155,11 @@ def lamp_images(
     visibility
         Whether each lamp reaches each pixel: cast shadows, from `geometry.visible`, for which the
         normals must be the true ones.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (J, p): intensities, at least 0.
     """
     images = np.maximum(lights @ normals, 0)
     return images if visibility is None else images * visibility
@@ -169,6 +179,13 @@ def low_dimensional_cone(
         Rays: images under single lamps; those that are all black are left out.
     dimension
         Of the subspace, fewer if there are fewer rays.
+
+    Returns
+    -------
+    basis : numpy.ndarray
+        Shape (d, p): orthonormal rows.
+    rays : numpy.ndarray
+        Shape (lit, d): coordinates in the basis of the images that are not all black.
 
     Raises
     ------
@@ -205,6 +222,11 @@ def cone_distances(
         Images as rows of pixels; none may be all black.
     basis, rays
         See `low_dimensional_cone`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,), in [0, 1], in the probes' dtype.
     """
     probes = checked_probes(probes, basis.shape[1])
     squared = np.einsum("np,np->n", probes, probes, dtype=np.float64)

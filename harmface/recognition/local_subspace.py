@@ -123,6 +123,11 @@ class Windows:
             Of the mask's size.
         offset
             Rows and columns by which the images are moved first, their edges repeated.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (windows, n, pixels of a window).
         """
         high, wide = self.side
         by = max(abs(value) for value in offset)
@@ -146,6 +151,16 @@ def log_intensity(images: Float[np.ndarray, "*n H W"], noise: float) -> Float[np
         Linear photographs, nowhere negative.
     noise
         Standard deviation of the camera's noise in the dark, in the images' unit.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape of the images, in float32.
+
+    Raises
+    ------
+    ArgumentError
+        On NaN, a negative pixel, or a noise that is not above 0.
     """
     images = checks.non_negative("images", images)
     if not (np.isfinite(noise) and noise > 0):
@@ -168,6 +183,11 @@ def local_basis(
         Where the windows are.
     aligned
         Whether probes are framed exactly as these images: then no moved copies join in.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (windows, `DIMENSION`, pixels of a window), in float32; rows of zeros fill up.
     """
     step = windows.shift
     moves = [(0, 0)] if aligned else [(0, 0), (step, 0), (-step, 0), (0, step), (0, -step)]
@@ -226,6 +246,11 @@ def local_distances(
         Each subject's `local_basis`.
     windows
         Where the windows are.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, N), in [0, 1], in float32.
     """
     cut = windows.cut(logarithms)
     total = np.zeros((len(logarithms), len(bases)), np.float32)
@@ -253,6 +278,8 @@ class LocalDistance(Distance):
 
     Parameters
     ----------
+    source
+        What subjects are known by, one of `SOURCES`.
     noise
         Standard deviation of the camera's noise in the dark, as a fraction of full scale.
     """
@@ -265,6 +292,22 @@ class LocalDistance(Distance):
         """Return each subject's `local_basis` and that of its whole images, and the full scale.
 
         One photograph of a subject is enough.
+
+        Parameters
+        ----------
+        gallery
+            Who was enrolled.
+
+        Returns
+        -------
+        mapping of str to numpy.ndarray
+            `bases`, (N, windows, `DIMENSION`, pixels of a window); `whole`, (N, `WHOLE_DIMENSION`,
+            pixels of the mask); and the scalar `full_scale` in the photographs' unit.
+
+        Raises
+        ------
+        ArgumentError
+            If a photograph is negative or all are black, or the mask fills no window.
         """
         windows = Windows(gallery.mask)
         each = [own * gallery.mask for own in gallery.spanning(self.source)]
@@ -283,7 +326,27 @@ class LocalDistance(Distance):
     def distances(
         self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
     ) -> Float[np.ndarray, "n N"]:
-        """Return the distance of every probe to every subject, in [0, 1]."""
+        """Return the distance of every probe to every subject, in [0, 1].
+
+        Parameters
+        ----------
+        model
+            From `fit`.
+        probes
+            Linear photographs in the gallery's unit, (n, rows, columns).
+        mask
+            Pixels that are compared: those of the gallery.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), in [0, 1], subjects in the order of `Gallery.names`.
+
+        Raises
+        ------
+        ArgumentError
+            If a probe is negative, or has the same value everywhere.
+        """
         seen = probes[:, mask]
         flat = np.flatnonzero(seen.max(axis=1) == seen.min(axis=1))
         if flat.size:

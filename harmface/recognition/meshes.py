@@ -35,6 +35,11 @@ def enroll(meshes: Mapping[str, Mesh], size: int = 64, cast_shadows: bool = True
     cast_shadows
         Whether to render harmonic images with cast shadows too.
 
+    Returns
+    -------
+    Gallery
+        Harmonic images, and photographs under the nine points of light, all in float32.
+
     Raises
     ------
     ArgumentError
@@ -54,6 +59,24 @@ SubjectModels = tuple[np.ndarray, np.ndarray | None, np.ndarray]
 def subject_models(mesh: Mesh, size: int, cast_shadows: bool = True) -> SubjectModels:
     """Return the images by which one mesh is known.
 
+    Parameters
+    ----------
+    mesh
+        The subject; faces look along +z.
+    size
+        Rows and columns of the images.
+    cast_shadows
+        Whether to render harmonic images with cast shadows too.
+
+    Returns
+    -------
+    harmonic : numpy.ndarray
+        Shape (9, size, size), in float32.
+    shadowed : numpy.ndarray or None
+        Shape (25, size, size), in float32.
+    photographs : numpy.ndarray
+        Shape (9, size, size), in float32, the brightest pixel of each 1.
+
     Raises
     ------
     ArgumentError
@@ -72,7 +95,25 @@ def subject_models(mesh: Mesh, size: int, cast_shadows: bool = True) -> SubjectM
 def gallery_of_meshes(
     models: Mapping[str, SubjectModels], facts: Mapping[str, object] | None = None
 ) -> Gallery:
-    """Return the gallery of subjects by name, see `subject_models`."""
+    """Return the gallery of subjects by name, see `subject_models`.
+
+    Parameters
+    ----------
+    models
+        From `subject_models` by the subject's name, all of one size.
+    facts
+        How they were made: anything JSON can hold.
+
+    Returns
+    -------
+    Gallery
+        Its mask leaves the pixels where all subjects have a surface.
+
+    Raises
+    ------
+    ArgumentError
+        If no pixel shows all of them.
+    """
     names = sorted(models)
     of_all, shadowed, photographs = zip(*(models[name] for name in names), strict=True)
     harmonic = np.stack(of_all)
@@ -93,7 +134,25 @@ def gallery_of_meshes(
 def subject_images(
     mesh: Mesh, size: int, degree: int, cast_shadows: bool = False
 ) -> Float[np.ndarray, "K H W"]:
-    """Return the harmonic images of one subject in the common frontal frame, in float32."""
+    """Return the harmonic images of one subject in the common frontal frame, in float32.
+
+    Parameters
+    ----------
+    mesh
+        The subject.
+    size
+        Rows and columns.
+    degree
+        Highest degree of the light.
+    cast_shadows
+        Whether to cast rays for the shadows of the mesh on itself.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (K, size, size): `pi` times the radiance that leaves, under a light that is each
+        harmonic in turn.
+    """
     if cast_shadows:
         # Rays must start on the surface, not at the mean of a pixel's samples, which lies in it.
         view = gbuffer(mesh, frame_orthographic(mesh, size * SUPERSAMPLING))
@@ -116,6 +175,11 @@ def subject_photographs(mesh: Mesh, light: DistantLight, size: int) -> Float[np.
         One photograph for each of its leading axis.
     size
         Rows and columns.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (F, size, size), in float32: `pi` times the radiance that leaves.
     """
     view = gbuffer(mesh, frame_orthographic(mesh, size * SUPERSAMPLING))
     images = render(view, light, caster=mesh)

@@ -7,6 +7,7 @@ from harmface.errors import ArgumentError
 from harmface.recognition import baselines
 from harmface.recognition.distance import Distance
 from harmface.recognition.gallery import HARMONIC, RELIT, SHADOWED, Gallery
+from harmface.recognition.glossy import GlossyDistance
 from harmface.recognition.illumination_cone import ConeDistance
 from harmface.recognition.local_subspace import LocalDistance
 from harmface.recognition.noise import LikelihoodDistance
@@ -53,6 +54,7 @@ METHODS: dict[str, Callable[[], Distance]] = {
     "9d": lambda: SubspaceDistance(HARMONIC, 9),
     "16d": lambda: SubspaceDistance(SHADOWED, 16),
     "25d": lambda: SubspaceDistance(SHADOWED, 25),
+    "glossy": GlossyDistance,
     "non-negative-4d": NonNegativeDistance4D,
     "non-negative-9d": NonNegativeDistance,
     "correlation": baselines.CorrelationDistance,
@@ -64,8 +66,8 @@ METHODS: dict[str, Callable[[], Distance]] = {
     "lbph": _lbph,
     "dlib": _dlib,
 }
-"""Distances by name: to photographs, but those with a dimension in their name are to harmonic
-images, with attached shadows up to 9 dimensions and with cast shadows beyond."""
+"""Distances by name: to photographs, but glossy and those with a dimension in their name are to
+harmonic images, with attached shadows up to 9 dimensions and with cast shadows beyond."""
 
 FRAMED = "framed"
 """What stands before a method, with a plus, to search for how probes are framed."""
@@ -83,6 +85,11 @@ def distance_named(name: str) -> Distance:
     name
         One of `METHODS`, with words of `BEFORE` and a plus before it if wanted, such as
         "shadowed+robust" or "framed+relit+local".
+
+    Returns
+    -------
+    Distance
+        With the defaults of its class.
 
     Raises
     ------
@@ -131,6 +138,11 @@ def best_method(gallery: Gallery, learning: bool | None = None) -> str:
         What was enrolled.
     learning
         Whether there are other people to learn from; by default whether the gallery holds them.
+
+    Returns
+    -------
+    str
+        Such as `distance_named` takes.
     """
     if gallery.harmonic is not None:
         return f"{FRAMED}+25d"

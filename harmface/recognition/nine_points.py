@@ -24,6 +24,11 @@ _POLAR_AND_AZIMUTH = (
 def nine_points() -> Float[np.ndarray, "9 3"]:
     """Return the directions to the nine lights of [LHK05]_, the same for every face.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (9, 3): unit directions, in float64; the first is the camera's.
+
     Examples
     --------
     >>> nine_points()[0]
@@ -46,6 +51,11 @@ def nearest_lights(
         Unit directions of the lights that there are photographs of.
     wanted
         Unit directions, such as `nine_points`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n,): indices into `available`.
 
     Raises
     ------

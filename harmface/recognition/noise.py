@@ -69,7 +69,18 @@ class CameraNoise:
             raise ArgumentError("read or step must be above 0: no camera is free of noise")
 
     def variance(self, intensity: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
-        """Return the variance of pixels whose mean is `intensity`; below 0 counts as 0."""
+        """Return the variance of pixels whose mean is `intensity`; below 0 counts as 0.
+
+        Parameters
+        ----------
+        intensity
+            Mean of each pixel, in the photograph's unit, of any shape.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape of the intensity, in the photograph's unit squared.
+        """
         return self.gain * np.maximum(intensity, 0) + (self.read**2 + self.step**2 / 12)
 
 
@@ -111,6 +122,11 @@ def likelihoods(
         Orthonormal rows of each subject, none of them zero, see `orthonormal_basis`.
     noise
         Of the camera.
+
+    Returns
+    -------
+    Likelihoods
+        Logarithms, chi-square and degrees of freedom, in float64.
 
     Raises
     ------

@@ -40,6 +40,11 @@ def non_negative_distances(
     images
         Harmonic images of each subject, flat index `k` of the second axis.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, N), in [0, 1], in the probes' dtype.
+
     Raises
     ------
     ArgumentError

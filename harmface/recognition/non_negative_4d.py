@@ -35,6 +35,11 @@ def non_negative_distances_4d(
     images
         Harmonic images of each subject to degree 1, linearly independent.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, N), in [0, 1], in the probes' dtype.
+
     Raises
     ------
     ArgumentError

@@ -62,6 +62,11 @@ def difference(
     rng
         Generator or seed of the bootstrap.
 
+    Returns
+    -------
+    Difference
+        Counts, rates, interval and test.
+
     Raises
     ------
     ArgumentError

@@ -65,7 +65,18 @@ class Motion:
     scale: float = 1.0
 
     def matrix(self, shape: tuple[int, int]) -> Float[np.ndarray, "2 3"]:
-        """Return the map from pixels (x, y) of the frame to those of the probe, in float32."""
+        """Return the map from pixels (x, y) of the frame to those of the probe, in float32.
+
+        Parameters
+        ----------
+        shape
+            Rows and columns of the image.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (2, 3), for coordinates from the middle of the first pixel.
+        """
         cosine, sine = np.cos(np.radians(self.rotation)), np.sin(np.radians(self.rotation))
         linear = self.scale * np.array([[cosine, sine], [-sine, cosine]])
         shift = _middle(shape) - linear @ _middle(shape) + [self.right, self.down]
@@ -73,7 +84,20 @@ class Motion:
 
 
 def undone(image: Float[np.ndarray, "H W"], motion: Motion) -> Float[np.ndarray, "H W"]:
-    """Return a probe as it would lie without its motion, its edges repeated, in float32."""
+    """Return a probe as it would lie without its motion, its edges repeated, in float32.
+
+    Parameters
+    ----------
+    image
+        The probe, (rows, columns).
+    motion
+        How it lies.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (rows, columns), in float32.
+    """
     rows, columns = image.shape
     return cv2.warpAffine(
         image.astype(np.float32),
@@ -102,6 +126,16 @@ def register(
         Pixels of the frame that the subspace knows.
     start
         Where to look first, by default no motion.
+
+    Returns
+    -------
+    Motion
+        In pixels, degrees and as a ratio.
+
+    Raises
+    ------
+    ArgumentError
+        On NaN.
     """
     motion = start or Motion()
     probe = checks.finite("probe", probe).astype(np.float32)
@@ -150,6 +184,13 @@ def registered_distances(
         Pixels that take part.
     candidates
         Subjects that a probe is registered to, each on its own.
+
+    Returns
+    -------
+    distances : numpy.ndarray
+        Shape (n, N), in [0, 1], in float32.
+    motions : list of Motion
+        One for each probe.
 
     Raises
     ------
@@ -209,6 +250,12 @@ class RegisteredDistance(SubspaceDistance):
 
     Parameters
     ----------
+    source
+        What subjects are known by, one of `SOURCES`.
+    dimension
+        Greatest dimension of each subject's subspace.
+    first
+        Flat index of the first harmonic image.
     candidates
         Subjects that a probe is registered to, each on its own.
     """
@@ -218,5 +265,20 @@ class RegisteredDistance(SubspaceDistance):
     def distances(
         self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
     ) -> Float[np.ndarray, "n N"]:
-        """Return the distance of every registered probe to every subject."""
+        """Return the distance of every registered probe to every subject.
+
+        Parameters
+        ----------
+        model
+            From `fit`.
+        probes
+            Linear photographs in the gallery's unit, (n, rows, columns).
+        mask
+            Pixels that are compared: those of the gallery.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), in [0, 1].
+        """
         return registered_distances(probes * mask, model["bases"], mask, self.candidates)[0]

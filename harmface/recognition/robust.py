@@ -58,6 +58,11 @@ def pixel_blocks(mask: Bool[np.ndarray, "H W"]) -> Integer[np.ndarray, "C m"]:
     mask
         Pixels that take part.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (blocks, pixels of a block): numbers of pixels of the mask, in row-major order.
+
     Raises
     ------
     ArgumentError
@@ -185,10 +190,34 @@ class RobustDistance(SubspaceDistance):
 
     The method of choice where probes are framed exactly as the gallery, as renderings of meshes
     are; for photographs cropped by hand see `LocalDistance`.
+
+    Parameters
+    ----------
+    source
+        What subjects are known by, one of `SOURCES`.
+    dimension
+        Greatest dimension of each subject's subspace.
+    first
+        Flat index of the first harmonic image.
     """
 
     def distances(
         self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
     ) -> Float[np.ndarray, "n N"]:
-        """Return the distance of every probe to every subject, in [0, 1]."""
+        """Return the distance of every probe to every subject, in [0, 1].
+
+        Parameters
+        ----------
+        model
+            From `fit`.
+        probes
+            Linear photographs in the gallery's unit, (n, rows, columns).
+        mask
+            Pixels that are compared: those of the gallery.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), in [0, 1], in float32.
+        """
         return robust_distances(probes[:, mask], model["bases"], pixel_blocks(mask))

@@ -25,6 +25,8 @@ class SubspaceDistance(Distance):
 
     Parameters
     ----------
+    source
+        What subjects are known by, one of `SOURCES`.
     dimension
         Greatest dimension of each subject's subspace.
     first
@@ -40,7 +42,23 @@ class SubspaceDistance(Distance):
         return slice(self.first, self.first + self.dimension)
 
     def fit(self, gallery: Gallery) -> Model:
-        """Return orthonormal rows of each subject, (subjects, dimension, pixels of the mask)."""
+        """Return orthonormal rows of each subject, (subjects, dimension, pixels of the mask).
+
+        Parameters
+        ----------
+        gallery
+            Who was enrolled.
+
+        Returns
+        -------
+        mapping of str to numpy.ndarray
+            `bases`: orthonormal rows of each subject, (N, dimension, pixels of the mask).
+
+        Raises
+        ------
+        ArgumentError
+            If the gallery does not hold the images of `source`, or somebody's are all black.
+        """
         each = gallery.spanning(self.source, self.harmonics)
         dimension = min(self.dimension, *(len(own) for own in each))
         bases = [orthonormal_basis(own[:, gallery.mask], dimension) for own in each]
@@ -49,5 +67,20 @@ class SubspaceDistance(Distance):
     def distances(
         self, model: Model, probes: Float[np.ndarray, "n H W"], mask: Bool[np.ndarray, "H W"]
     ) -> Float[np.ndarray, "n N"]:
-        """Return the distance of every probe to every subject, in [0, 1]."""
+        """Return the distance of every probe to every subject, in [0, 1].
+
+        Parameters
+        ----------
+        model
+            From `fit`.
+        probes
+            Linear photographs in the gallery's unit, (n, rows, columns).
+        mask
+            Pixels that are compared: those of the gallery.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (n, N), in [0, 1], subjects in the order of `Gallery.names`.
+        """
         return subspace_distances(probes[:, mask], model["bases"])

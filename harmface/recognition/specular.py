@@ -42,6 +42,16 @@ def phong_coefficients(exponent: float, max_degree: int) -> Float[np.ndarray, "L
     max_degree
         Greatest degree.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (max_degree + 1,), in float64.
+
+    Raises
+    ------
+    ArgumentError
+        If the exponent or the degree is negative.
+
     Examples
     --------
     With exponent 1 it is Lambert's law about the mirrored view:
@@ -81,6 +91,16 @@ def specular_images(
     degree
         Highest degree of the light that still matters: a lobe of exponent `e` passes about
         `2 sqrt(e)`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (K, ...) over the shape of the pixels.
+
+    Raises
+    ------
+    ArgumentError
+        If directions are not of length 1, or normals and directions differ in shape.
     """
     normals = checks.unit_vectors("normals", normals)
     to_camera = checks.unit_vectors("to_camera", to_camera)
@@ -106,6 +126,11 @@ def subject_highlights(
         Rows and columns, as in `enroll`.
     exponent, degree
         See `specular_images`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (K, size, size); zero off the subject.
     """
     view = gbuffer(mesh, frame_orthographic(mesh, size), SUPERSAMPLING)
     towards = view.camera.towards(view.position[view.mask])

@@ -23,6 +23,11 @@ def orthonormal_basis(
     dimension
         Dimension of the subspace.
 
+    Returns
+    -------
+    numpy.ndarray
+        Shape (..., dimension, p), in the images' dtype.
+
     Raises
     ------
     ArgumentError
@@ -62,6 +67,11 @@ def subspace_distances(
         Images as rows of pixels; none may be all black.
     bases
         Orthonormal rows of each subject, see `orthonormal_basis`.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (n, N), in [0, 1], in the probes' dtype.
 
     Raises
     ------

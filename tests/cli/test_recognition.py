@@ -272,6 +272,20 @@ def test_misframed_probes_are_moved_and_named(run, people, photographs, tmp_path
     assert "moved.png: is framed otherwise" in outcome.err
 
 
+def test_a_probe_without_a_face_is_named(run, people, tmp_path):
+    run("enroll", people, "--gallery", "first:1", "--method", "whitened", "--out", "g.npz")
+    noise = np.random.default_rng(0).integers(0, 255, (48, 42), np.uint8)
+    Image.fromarray(noise).save(tmp_path / "noise.png")
+    outcome = run("recognize", "g.npz", "noise.png", "probe.png", "--json")
+    noise, face = json.loads(outcome.out)["results"]
+    assert noise["far_from_all"] and not face["far_from_all"]
+    assert outcome.err.count("shows no face framed as the gallery") == 1
+    assert "noise.png" in outcome.err
+    run("enroll", people, "--method", "local", "--out", "l.npz")
+    result = json.loads(run("recognize", "l.npz", "noise.png", "--json").out)["results"][0]
+    assert result["far_from_all"] is None
+
+
 def test_other_people_are_learned_from(run, people, photographs, check_refused, tmp_path):
     for number in range(4):
         (tmp_path / "others" / f"{number}").mkdir(parents=True)

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from scipy.stats import genpareto
+from scipy.stats import binomtest, genpareto
 
 from harmface.errors import ArgumentError
 from harmface.recognition import margins, posteriors
@@ -62,6 +62,18 @@ def test_interval_is_wider_where_probes_of_a_subject_fail_together():
     together = bootstrap_interval(wrong, np.arange(400) // 40, 1)
     apart = bootstrap_interval(wrong, np.arange(400), 1)
     assert together[1] - together[0] > 2 * (apart[1] - apart[0])
+
+
+def test_no_error_does_not_mean_that_none_is_possible():
+    """Against SciPy's interval of Clopper and Pearson."""
+    none, subjects = np.zeros(545, bool), np.arange(545) % 10
+    exact = binomtest(0, 545).proportion_ci(0.95, "exact")
+    assert bootstrap_interval(none, subjects, 1) == pytest.approx((exact.low, exact.high))
+    assert exact.high == pytest.approx(3.7 / 545, rel=0.01)
+    low, high = bootstrap_interval(~none, subjects, 1)
+    assert (low, high) == pytest.approx((1 - exact.high, 1))
+    both = bootstrap_interval(none.astype(int), subjects, 1)
+    assert both == pytest.approx((-exact.high, exact.high))
 
 
 def test_the_same_seed_gives_the_same_interval():

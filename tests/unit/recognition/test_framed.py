@@ -7,10 +7,10 @@ import pytest
 from data_synth.faces import head
 from data_synth.lightings import yale64
 from harmface.geometry import OrthographicCamera, gbuffer
-from harmface.recognition import Gallery, Photographs, SubjectClassifier, margins
+from harmface.recognition import Gallery, Photographs, SubjectClassifier, framed
 from harmface.recognition.framed import FramedDistance, misframed
 from harmface.recognition.local_subspace import LocalDistance
-from harmface.recognition.registration import Motion
+from harmface.recognition.registration import Motion, undone
 from harmface.rendering import render
 from harmface.reproduce.synthetic import light_of, mesh_of
 
@@ -94,23 +94,38 @@ def test_most_photographs_in_place_are_left_there(gallery):
     assert np.mean([motion == Motion() for motion in motions]) >= 0.7
 
 
-def test_a_probe_is_moved_only_if_it_is_told_apart_more_clearly(gallery, faces):
-    """Of noise and light from the side some places are nearer, but nearer to all alike."""
+def test_a_probe_is_moved_only_if_it_comes_much_nearer(gallery, faces):
+    """Of noise and light from the side some places are nearer by chance."""
     distance = FramedDistance()
-    model = {**distance.fit(gallery), "ratio_in_place": np.array(1.0)}
+    model = distance.fit(gallery)
     probes = cropped(faces[:, len(KNOWN) :]).reshape(-1, *SHAPE)
     noise = np.random.default_rng(0).standard_normal(probes.shape)
     probes = np.maximum(probes + 0.15 * noise, 0).astype(np.float32)
     before = distance.inner.distances(model, probes, gallery.mask)
+    nearest = distance._nearest(model, probes, gallery.mask, before)[0]
+    ratios = nearest.min(axis=1) / before.min(axis=1)
+    model = {**model, "ratio_in_place": np.median(ratios)}
     found, motions = distance.search(model, probes, gallery.mask)
     moved = np.array([motion != Motion() for motion in motions])
-    nearest = distance._nearest(model, probes, gallery.mask, before)[0]
-    nearer = nearest.min(axis=1) < before.min(axis=1)
-    assert (margins(found)[moved] > margins(before)[moved]).all()
-    assert (nearer & ~moved).any()
+    assert np.array_equal(moved, ratios < np.median(ratios))
+    assert np.array_equal(found[moved], nearest[moved])
     assert np.array_equal(found[~moved], before[~moved])
     nowhere = {**model, "ratio_in_place": np.array(0.0)}
     assert {*distance.search(nowhere, probes, gallery.mask)[1]} == {Motion()}
+
+
+def test_the_search_goes_on_from_more_than_the_nearest_place(gallery, faces, monkeypatch):
+    """Turned, enlarged and shifted at once, a probe is found from several places, not from one."""
+    distance = FramedDistance(inner=LocalDistance())
+    model = {**distance.fit(gallery), "ratio_in_place": np.array(1.0)}
+    probes = cropped(faces[:, len(KNOWN) :]).reshape(-1, *SHAPE).astype(np.float32)
+    probes = np.stack([undone(probe, Motion(2.2, -1.9, 4.0, 1.05)) for probe in probes])
+    nearest = {}
+    for beam in (1, 5):
+        monkeypatch.setattr(framed, "BEAM", beam)
+        nearest[beam] = distance.search(model, probes, gallery.mask)[0].min(axis=1)
+    assert (nearest[5] <= nearest[1] + 1e-6).mean() > 0.9
+    assert (nearest[5] < nearest[1] - 1e-4).mean() > 0.2
 
 
 def test_without_photographs_to_try_any_nearer_place_will_do(gallery):

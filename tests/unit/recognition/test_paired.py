@@ -29,7 +29,9 @@ def test_p_is_the_tail_of_a_fair_coin_on_both_sides(first, second):
 def test_equal_recognisers_do_not_differ():
     ours, _ = wrong_alone(0, 0, both=5, neither=20)
     found = difference(ours, ours, np.arange(25), 0)
-    assert (found.p_value, found.rate, found.interval) == (1.0, 0.0, (0.0, 0.0))
+    assert (found.p_value, found.rate) == (1.0, 0.0)
+    # Either may still be wrong alone on another probe, see `bootstrap_interval`.
+    assert found.interval == pytest.approx((0.025 ** (1 / 25) - 1, 1 - 0.025 ** (1 / 25)))
 
 
 def test_the_interval_is_that_of_the_mean_over_subjects():

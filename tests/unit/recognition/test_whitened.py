@@ -11,8 +11,9 @@ from harmface.recognition import (
     best_method,
     log_intensity,
 )
-from harmface.recognition.local_subspace import RIDGE
+from harmface.recognition.local_subspace import FLOOR_PER_NOISE, RIDGE
 from harmface.recognition.whitened import (
+    FLOOR,
     RIDGES,
     WhitenedDistance,
     likeliest_ridge,
@@ -56,7 +57,8 @@ def errors(classifier, world):
 def test_other_people_tell_what_one_photograph_does_not(gallery, world):
     assert errors(SubjectClassifier.from_gallery(gallery, "local"), world) > 0.3
     assert best_method(gallery) == "framed+whitened"
-    best = SubjectClassifier.from_gallery(gallery, "whitened")
+    # Light multiplies there however dark it is, so that no floor is needed.
+    best = SubjectClassifier.from_gallery(gallery, WhitenedDistance(floor=0.015))
     assert errors(best, world) < 0.05
     # Other people stand in for photographs that a gallery of one a person cannot leave out.
     chances = best.predict_proba(world[:PEOPLE, 1].reshape(PEOPLE, -1))
@@ -69,7 +71,11 @@ def test_windows_of_the_learned_are_white_up_to_the_ridge(gallery):
     model = WhitenedDistance().fit(gallery)
     others = gallery.others
     both = np.concatenate([others.images, others.images[..., ::-1]]) / others.images.max()
-    cut = windows_of(gallery.mask).cut(log_intensity(both, 0.005)).astype(np.float64)
+    cut = (
+        windows_of(gallery.mask)
+        .cut(log_intensity(both, FLOOR / FLOOR_PER_NOISE))
+        .astype(np.float64)
+    )
     white = (cut - model["mean"]) @ model["whitening"]
     subjects = np.tile(others.subjects, 2)
     own = [np.cov(white[0, subjects == s], rowvar=False, bias=True) for s in np.unique(subjects)]
@@ -88,7 +94,8 @@ def test_distance_is_that_of_the_nearest_mixture_of_all_photographs(gallery, wor
     probe = world[3:4, 5]
     found = distance.distances(model, probe, gallery.mask)[0]
     windows = windows_of(gallery.mask)
-    cut = [windows.cut(log_intensity(x / two.images.max(), 0.005)) for x in (probe, two.images)]
+    noise = FLOOR / FLOOR_PER_NOISE
+    cut = [windows.cut(log_intensity(x / two.images.max(), noise)) for x in (probe, two.images)]
     white = [(each - model["mean"]) @ model["whitening"] for each in cut]
     unit = [each / np.linalg.norm(each, axis=2, keepdims=True) for each in white]
     expected = np.zeros(PEOPLE)
