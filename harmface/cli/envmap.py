@@ -18,6 +18,7 @@ from harmface.cli.common import (
     output,
 )
 from harmface.cli.light_source import MapArgument, MapReading
+from harmface.cli.material import MaterialOption, load_material, material_files
 from harmface.cli.option_groups import with_options
 from harmface.conventions import degree_order, max_degree_of
 from harmface.errors import ArgumentError
@@ -143,6 +144,48 @@ def irradiance(
             "error against brute force, as a share of the total intensity: "
             f"average {average:.2%}, largest {error.max():.2%}"
         )
+
+
+@app.command()
+@with_options("reading", MapReading)
+def reflect(
+    environment: MapArgument,
+    material: MaterialOption,
+    out: OutMap,
+    size: Annotated[int, typer.Option(help="Rows of the result.")] = 128,
+    accuracy: Annotated[
+        float,
+        typer.Option(help="Greatest factor of the lobe that is cut off, as a share of all."),
+    ] = 1e-3,
+    figure: Annotated[
+        Path | None, typer.Option(help=f"Figure: the map and its reflection. {FIGURE_HELP}")
+    ] = None,
+    dpi: DpiOption = None,
+    *,
+    reading: MapReading,
+) -> None:
+    """Write what a glossy material shows of a map, by the mirrored direction (R05 eq. 39).
+
+    The lobe of `--material` is taken as it is along the normal, the same from every side.
+
+    Example: harmface envmap reflect forest.hdr --material phong:50 --out glossy.hdr
+    """
+    from harmface.io import write_environment_map
+    from harmface.rendering import reflection_map
+    from harmface.viz import reflection_figure, write_figure
+
+    claim_outputs(out, figure, inputs=[*environment, *material_files(material)])
+    made_of = load_material(material)
+    found = reading.load_map(environment)
+    shown = reflection_map(found, made_of, size, accuracy=accuracy)
+    negative = float((shown < 0).mean())
+    picture = np.moveaxis(shown, 0, -1) if shown.ndim == 3 else shown
+    picture = np.maximum(picture, 0).astype(np.float32)
+    write_environment_map(out, picture)
+    if figure is not None:
+        glossy = EnvironmentMap.from_image(picture)
+        write_figure(figure, reflection_figure(found, glossy, material), dpi=dpi)
+    output.print(f"reflection in {out}" + (f", {negative:.1%} clipped at 0" if negative else ""))
 
 
 @app.command()

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
 
 from harmface.cli.common import SizeOption, claim_outputs, output, progress
 from harmface.cli.light_source import EnvironmentReading
+from harmface.cli.material import MATERIAL_HELP, load_material, material_files
 from harmface.cli.mesh_options import MeshArgument, MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.conventions import light_direction
@@ -16,8 +17,13 @@ from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, frame_orthographic, gbuffer
 from harmface.light import DistantLight, EnvironmentMap
 
+if TYPE_CHECKING:
+    from harmface.reflectance import Material
+
 SUPERSAMPLING = 2
 ENVIRONMENT_DIRECTIONS = 600
+GLOSSY_DIRECTIONS = 1200
+"""Some six degrees apart, less than the width of lobes down to a roughness of 0.15."""
 PART = 16
 """Directions rendered between two reports of progress."""
 
@@ -53,6 +59,13 @@ def render(
             "under the harmonics of the light, in place of brute force.",
         ),
     ] = None,
+    material: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME[:NUMBER]",
+            help=f"What the mesh is made of, tinted by its albedo: {MATERIAL_HELP}",
+        ),
+    ] = "lambert",
     cast_shadows: Annotated[bool, typer.Option(help="Whether the mesh shadows itself.")] = True,
     size: SizeOption = 256,
     exposure: Annotated[
@@ -79,11 +92,23 @@ def render(
     Example: harmface render head.ply --light 40,20 --size 64 --out probe.png
     """
     from harmface.io import write_image
-    from harmface.rendering import box_average, harmonic_irradiance
+    from harmface.reflectance import Lambert, Mirror
+    from harmface.rendering import box_average, harmonic_irradiance, mirrored
 
     if (light is None) == (environment is None):
         raise ArgumentError("give either --light AZIMUTH,ELEVATION or --environment MAP")
-    claim_outputs(out, inputs=[*mesh_reading.files(mesh), *filter(None, [environment, transfer])])
+    claim_outputs(
+        out,
+        inputs=[
+            *mesh_reading.files(mesh),
+            *filter(None, [environment, transfer]),
+            *material_files(material),
+        ],
+    )
+    made_of = load_material(material)
+    matte = made_of == Lambert()
+    if transfer is not None and not matte:
+        raise ArgumentError("--transfer is of a matte surface; leave out it or --material")
     surface = mesh_reading.load(mesh)
     view = gbuffer(surface, frame_orthographic(surface, size * SUPERSAMPLING))
     albedo = np.moveaxis(view.albedo, -1, 0)
@@ -97,15 +122,26 @@ def render(
         source = reading.load_light(environment)
     if transfer is not None:
         image = albedo * _by_transfer(transfer, surface, view, source)
+    elif isinstance(source, np.ndarray) and not matte:
+        raise ArgumentError(
+            "--material needs a map or lamps; coefficients know too little of light"
+        )
     elif isinstance(source, np.ndarray):
         image = np.zeros(albedo.shape)
         received = harmonic_irradiance(source, view.normals[view.mask])
         image[:, view.mask] = albedo[:, view.mask] * np.maximum(received, 0)
+    elif isinstance(made_of, Mirror):
+        if not isinstance(source, EnvironmentMap):
+            raise ArgumentError("a mirror shows lamps nowhere; give --environment MAP")
+        caster = surface if cast_shadows else None
+        image = albedo * made_of.share * mirrored(view, source, caster=caster)
     else:
         if isinstance(source, EnvironmentMap):
-            source = source.as_distant_light(ENVIRONMENT_DIRECTIONS)
+            count = ENVIRONMENT_DIRECTIONS if matte else GLOSSY_DIRECTIONS
+            source = source.as_distant_light(count)
         with progress("rendering") as report:
-            image = _brute_force(view, source, surface if cast_shadows else None, report)
+            caster = surface if cast_shadows else None
+            image = _brute_force(view, source, caster, None if matte else made_of, report)
     if exposure is None:
         brightest = np.percentile(image[:, view.mask], 99.5)
         exposure = BRIGHTEST / brightest if brightest > 0 else 1.0
@@ -120,7 +156,11 @@ def render(
 
 
 def _brute_force(
-    view: GBuffer, light: DistantLight, caster: Mesh | None, report: Callable[[float], None]
+    view: GBuffer,
+    light: DistantLight,
+    caster: Mesh | None,
+    material: "Material | None",
+    report: Callable[[float], None],
 ) -> np.ndarray:
     """Return radiosity, channels first, rendered a few directions at a time."""
     from harmface.rendering import render as render_part
@@ -131,7 +171,7 @@ def _brute_force(
     for first in range(0, count, PART):
         some = slice(first, first + PART)
         part = DistantLight(light.directions[some], light.irradiances[..., some])
-        image += render_part(view, part, albedo=albedo, caster=caster)
+        image += render_part(view, part, albedo=albedo, caster=caster, material=material)
         report(min(first + PART, count) / count)
     return image
 

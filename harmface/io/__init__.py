@@ -15,6 +15,7 @@ from harmface.io.gallery_choice import choose_gallery
 from harmface.io.images import read_image, write_image
 from harmface.io.light_files import Lights, read_lights
 from harmface.io.measured import read_measured_directions, read_measured_normals
+from harmface.io.merl import read_merl
 from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
@@ -62,6 +63,7 @@ __all__ = [
     "read_mask",
     "read_measured_directions",
     "read_measured_normals",
+    "read_merl",
     "read_mesh",
     "read_normal_map",
     "read_npz",

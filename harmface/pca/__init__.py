@@ -14,6 +14,7 @@ from harmface.pca.distributions import (
 from harmface.pca.empirical import EmpiricalPCA, attached_shadow_pca, empirical_pca
 from harmface.pca.gram import harmonic_gram
 from harmface.pca.lighting_pca import LightingPCA, lighting_pca
+from harmface.pca.materials import materials_spectrum
 from harmface.pca.shapes import Measure, cone_gram, cylinder_gram, sphere_gram
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "harmonic_gram",
     "isotropic_lights",
     "lighting_pca",
+    "materials_spectrum",
     "sphere_gram",
     "uniform_lights",
 ]

@@ -27,13 +27,14 @@ from harmface.conventions import degrees
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh, frame_orthographic, gbuffer
 from harmface.recognition.meshes import SUPERSAMPLING
+from harmface.reflectance import Phong
 from harmface.sphere import real_harmonics
 
 
 def phong_coefficients(exponent: float, max_degree: int) -> Float[np.ndarray, "L"]:
     """Return `rho_l = 2 pi int_0^1 c^e P_l(c) dc`, by which a lobe scales light of degree `l`.
 
-    Of the lobe `max(r . w, 0)^e`, from `rho_l = rho_{l-2} (e - l + 2) / (e + l + 1)`.
+    Of the lobe `max(r . w, 0)^e`, not normalised; see `reflectance.Phong`.
 
     Parameters
     ----------
@@ -59,14 +60,8 @@ def phong_coefficients(exponent: float, max_degree: int) -> Float[np.ndarray, "L
     >>> phong_coefficients(1, 2) / np.pi
     array([1.        , 0.66666667, 0.25      ])
     """
-    if not (np.isfinite(exponent) and exponent >= 0):
-        raise ArgumentError(f"exponent must be 0 or more, got {exponent}")
-    integrals = np.zeros(checks.degree("max_degree", max_degree) + 1)
-    integrals[:2] = [1 / (exponent + 1), 1 / (exponent + 2)][: len(integrals)]
-    for degree in range(2, len(integrals)):
-        factor = (exponent - degree + 2) / (exponent + degree + 1)
-        integrals[degree] = integrals[degree - 2] * factor
-    return 2 * np.pi * integrals
+    lobe = Phong(exponent)
+    return 2 * np.pi / (exponent + 1) * lobe.radial(max_degree)
 
 
 def specular_images(

@@ -1,4 +1,4 @@
-"""What is lost when Lambert's filter is cut off at a degree.
+"""What is lost when Lambert's filter, or any lobe, is cut off at a degree.
 
 References
 ----------
@@ -14,7 +14,9 @@ import numpy as np
 from jaxtyping import Float
 
 from harmface import checks
+from harmface.errors import ArgumentError
 from harmface.reflectance.lambert import central_binomial, clamped_cosine_coefficients
+from harmface.reflectance.material import Material
 
 
 def energy_by_degree(max_degree: int) -> Float[np.ndarray, "L"]:
@@ -101,3 +103,51 @@ def mean_accuracy_bound(max_degree: int) -> float:
     """
     shares = energy_by_degree(max_degree)
     return float(shares[0] / (shares[0] + 1 - shares.sum()))
+
+
+def lobe_degree(material: Material, accuracy: float, *, most: int) -> int:
+    """Return the least degree at which a lobe may be cut off for a stated accuracy.
+
+    Cut off are factors of at most `accuracy` of the greatest: the error is then, root mean square
+    over all mirrored directions, at most this share of what a mirror would show (Parseval).
+
+    Parameters
+    ----------
+    material
+        Its `radial` factors are the lobe.
+    accuracy
+        Greatest factor that is cut off, as a share of the greatest of all, in (0, 1).
+    most
+        Greatest degree that is looked at.
+
+    Returns
+    -------
+    int
+        A degree, at most `most`.
+
+    Raises
+    ------
+    ArgumentError
+        If the accuracy is no such share, or `most` degrees are not enough.
+
+    Examples
+    --------
+    >>> from harmface.reflectance import Phong
+    >>> [lobe_degree(Phong(exponent), 0.1, most=99) for exponent in (5, 50, 500)]
+    [4, 14, 47]
+    """
+    if not 0 < accuracy < 1:
+        raise ArgumentError(f"accuracy must lie between 0 and 1, got {accuracy}")
+    # The tail beyond `most` is not known; twice as far a lobe that is resolved has ended.
+    factors = material.radial(2 * checks.positive_integer("most", most))
+    size = np.abs(factors)
+    later = np.maximum.accumulate(size[..., ::-1], axis=-1)[..., ::-1]
+    enough = later[..., 1:] <= accuracy * later[..., :1]
+    within = enough.reshape(-1, enough.shape[-1]).all(axis=0)
+    degree = int(within.argmax())
+    if not within.any() or degree > most:
+        raise ArgumentError(
+            f"{material} passes more than {accuracy:g} of the light beyond degree {most}; "
+            "take a duller material, a finer map, or a mirror"
+        )
+    return degree

@@ -1,6 +1,7 @@
 """Images from geometry and light: the harmonic model, and the oracle without harmonics."""
 
 from harmface.rendering.cast_shadows import shadowed_harmonic_images
+from harmface.rendering.glossy_maps import reflection_map
 from harmface.rendering.glossy_transfer import (
     ClusteredTransfer,
     clustered_pca,
@@ -18,19 +19,20 @@ from harmface.rendering.irradiance import (
 )
 from harmface.rendering.precomputed_transfer import Transfer, transfer, visibility_coefficients
 from harmface.rendering.reference import (
-    Phong,
     box_average,
     clamped_cosines,
     irradiance,
+    mirrored,
     reflected,
     render,
     vertex_irradiance,
 )
+from harmface.rendering.reflected_field import ReflectedField
 from harmface.rendering.scene import Scene, Surface, probes, ray_cast_probes, sampled_light
 
 __all__ = [
     "ClusteredTransfer",
-    "Phong",
+    "ReflectedField",
     "Scene",
     "Surface",
     "Transfer",
@@ -46,11 +48,13 @@ __all__ = [
     "irradiance_map",
     "irradiance_matrix",
     "matrix_irradiance",
+    "mirrored",
     "outgoing_radiance",
     "polynomial_irradiance",
     "probes",
     "ray_cast_probes",
     "reflected",
+    "reflection_map",
     "relight",
     "render",
     "sampled_light",

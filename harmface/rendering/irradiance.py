@@ -199,7 +199,16 @@ def irradiance_map(
         If `K` is not a square, a coefficient is not finite, or there is no such layout.
     """
     coefficients = checks.finite("coefficients", coefficients)
-    layout = layout_named(layout)
+    per_coefficient = lambert_per_coefficient(max_degree_of(coefficients.shape[-1]))
+    return harmonic_map(
+        coefficients * per_coefficient.astype(coefficients.dtype), layout_named(layout), height
+    )
+
+
+def harmonic_map(
+    coefficients: Float[np.ndarray, "*channels K"], layout: Layout, height: int
+) -> Float[np.ndarray, "*channels_pixels"]:
+    """Return the function of some coefficients as a map, 0 around a disc."""
     height = checks.positive_integer("height", height)
     basis = _map_basis(layout, height, max_degree_of(coefficients.shape[-1]))
     values = coefficients @ basis.astype(coefficients.dtype, copy=False)
@@ -242,10 +251,9 @@ def irradiance_error(
 
 @lru_cache(maxsize=4)
 def _map_basis(layout: Layout, height: int, max_degree: int) -> Float[np.ndarray, "K pixels"]:
-    """Return `A_l Y_lm` at every pixel of a map, kept for the next map of its size."""
+    """Return `Y_lm` at every pixel of a map, kept for the next map of its size."""
     directions = layout.directions(height).reshape(-1, 3)
     basis = real_harmonics(directions, max_degree)
-    basis *= lambert_per_coefficient(max_degree)[:, None]
     basis *= layout.solid_angles(height).ravel() > 0
     return basis
 

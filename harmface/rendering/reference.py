@@ -5,7 +5,7 @@ model.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -15,35 +15,30 @@ from harmface.conventions import luminance
 from harmface.errors import ArgumentError
 from harmface.geometry import GBuffer, Mesh, visible
 from harmface.geometry.visibility import OFFSET
-from harmface.light import DistantLight
+from harmface.light import DistantLight, EnvironmentMap, sample
 
 CHUNK = 2**22
 """Pairs of direction and pixel treated at a time: 32 MB in float64."""
 
 
-@dataclass(frozen=True)
-class Phong:
-    """Phong's lobe about the mirror direction, normalised to reflect at most its share.
+@runtime_checkable
+class Reflector(Protocol):
+    """What the oracle asks of a material: its reflectance, as `reflectance.Material` has it."""
 
-    The reflectance function is `share (e + 2) / (2 pi) max(r . w, 0)**e` (Lafortune and Willems,
-    Using the Modified Phong Reflectance Model for Physically Based Rendering, 1994).
+    def evaluate(self, incoming: np.ndarray, outgoing: np.ndarray) -> np.ndarray:
+        """Return reflectance per steradian, `(*channels, *pairs)`, in the surface's frame.
 
-    Parameters
-    ----------
-    share
-        Fraction of the light from the normal's direction that is reflected, in [0, 1].
-    exponent
-        Sharpness `e`, at least 0.
-    """
+        Parameters
+        ----------
+        incoming, outgoing
+            Unit directions to the light and to the viewer, z along the normal.
 
-    share: float
-    exponent: float
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.share <= 1:
-            raise ArgumentError(f"share must lie in [0, 1], got {self.share}")
-        if not (np.isfinite(self.exponent) and self.exponent >= 0):
-            raise ArgumentError(f"exponent must be 0 or more, got {self.exponent}")
+        Returns
+        -------
+        numpy.ndarray
+            Per steradian, shape `(*channels, *pairs)`.
+        """
+        ...
 
 
 def clamped_cosines(
@@ -118,9 +113,9 @@ def render(
     *,
     albedo: Float[np.ndarray, "*channels H W"] | None = None,
     caster: Mesh | None = None,
-    phong: Phong | None = None,
+    material: Reflector | None = None,
 ) -> Float[np.ndarray, "... H W"]:
-    """Return pi times the radiance that the camera sees; without `phong` that is radiosity.
+    """Return pi times the radiance that the camera sees; of a matte surface that is radiosity.
 
     Parameters
     ----------
@@ -133,8 +128,9 @@ def render(
         light that has them too. By default the luminance of the view's albedo.
     caster
         The mesh that casts shadows; without it only attached shadows are rendered.
-    phong
-        A specular term added to the diffuse one.
+    material
+        Its reflectance is multiplied by the albedo; by default Lambert's `1 / pi`. One in colour
+        needs light of as many channels as its own, on the last leading axis.
 
     Returns
     -------
@@ -155,23 +151,55 @@ def render(
         )
     normals, points = view.normals[view.mask], view.position[view.mask]
     leading = light.irradiances.shape[:-1]
-    diffuse = np.zeros((*leading, len(normals)))
-    specular = np.zeros_like(diffuse)
-    for some in _chunks(len(light.directions), len(normals)):
+    received = np.zeros((*leading, len(normals)))
+    # A material needs some eight numbers of each pair of direction and pixel.
+    width = len(normals) * (1 if material is None else 8)
+    for some in _chunks(len(light.directions), width):
         directions = light.directions[some]
         cosines = clamped_cosines(normals, directions)
         if caster is not None:
             cosines *= visible(caster, points, normals, directions)
-        diffuse += light.irradiances[..., some] @ cosines
-        if phong is not None:
-            mirrored = _mirrored(view.camera.towards(points), normals)
-            lobe = np.maximum(directions @ mirrored.T, 0) ** phong.exponent
-            specular += light.irradiances[..., some] @ (lobe * cosines)
+        if material is None:
+            received += light.irradiances[..., some] @ cosines
+        else:
+            outgoing = view.camera.towards(points)
+            shown = shown_by(material, normals, outgoing, directions, cosines)
+            received += np.einsum("...j,...jp->...p", light.irradiances[..., some], shown)
     image = np.zeros((*leading, *view.mask.shape))
-    image[..., view.mask] = albedo[..., view.mask] * diffuse
-    if phong is not None:
-        # The lobe's pi / (2 pi): radiance is given in the same unit as radiosity.
-        image[..., view.mask] += phong.share * (phong.exponent + 2) / 2 * specular
+    image[..., view.mask] = albedo[..., view.mask] * received
+    return image
+
+
+def mirrored(
+    view: GBuffer, environment: EnvironmentMap, *, caster: Mesh | None = None
+) -> Float[np.ndarray, "*channels H W"]:
+    """Return pi times the radiance that the camera sees in a mirror, by looking it up.
+
+    Parameters
+    ----------
+    view
+        What the camera sees; its albedo is not used.
+    environment
+        Radiance from all sides.
+    caster
+        The mesh that hides what it mirrors of itself, as black.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape `(*channels, H, W)`, 0 in the background.
+    """
+    normals, points = view.normals[view.mask], view.position[view.mask]
+    to_camera = view.camera.towards(points)
+    along = np.einsum("pi,pi->p", to_camera, normals)
+    directions = 2 * along[:, None] * normals - to_camera
+    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
+    seen = along > 0
+    if caster is not None:
+        starts = caster.rays.local(points + OFFSET * caster.rays.radius * normals)
+        seen &= caster.rays.first_hits(starts, directions).face < 0
+    image = np.zeros((*environment.channels, *view.mask.shape))
+    image[..., view.mask] = np.pi * sample(environment, directions) * seen
     return image
 
 
@@ -341,12 +369,30 @@ def box_average(
     return blocks.mean(axis=(-3, -1))
 
 
-def _mirrored(
-    to_camera: Float[np.ndarray, "p 3"], normals: Float[np.ndarray, "p 3"]
-) -> Float[np.ndarray, "p 3"]:
-    """Return the view direction mirrored about the normal."""
+def shown_by(
+    material: Reflector,
+    normals: Float[np.ndarray, "p 3"],
+    to_camera: Float[np.ndarray, "p 3"],
+    directions: Float[np.ndarray, "J 3"],
+    cosines: Float[np.ndarray, "J p"],
+) -> Float[np.ndarray, "*channels J p"]:
+    """Return pi times reflectance times cosine, for pairs that are lit and seen only."""
     along = np.einsum("pi,pi->p", to_camera, normals)
-    return 2 * along[:, None] * normals - to_camera
+    lit, pixel = np.nonzero((cosines > 0) & (along > 0))
+    # An isotropic material knows the height of both directions, and how they lie to each other:
+    # the viewer is put in the plane of z and x, whatever tangent that is.
+    across = to_camera - along[:, None] * normals
+    sine = np.linalg.norm(across, axis=-1)
+    spare = np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=-1)])
+    tangent = np.where(sine[:, None] > 1e-6, across, spare)
+    tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
+    frame = np.stack([tangent, np.cross(normals, tangent), normals], axis=1)
+    incoming = np.einsum("ni,nki->nk", directions[lit], frame[pixel])
+    outgoing = np.stack([sine, np.zeros_like(sine), along], axis=-1)[pixel]
+    values = material.evaluate(incoming, outgoing)
+    shown = np.zeros((*values.shape[:-1], *cosines.shape))
+    shown[..., lit, pixel] = np.pi * values * cosines[lit, pixel]
+    return shown
 
 
 def _chunks(count: int, width: int) -> list[slice]:

@@ -30,7 +30,8 @@ from harmface.pca import (
     lighting_pca,
     sphere_gram,
 )
-from harmface.rendering import Phong, render
+from harmface.reflectance import Phong
+from harmface.rendering import render
 from harmface.reproduce.experiment import Measurement
 from harmface.reproduce.synthetic import mesh_of
 from harmface.sphere import fibonacci_directions
@@ -171,7 +172,7 @@ def _variants(lights: int = 600, size: int = 80) -> dict[str, Callable[[], Empir
     mesh = mean_face()[0]
     directions = fibonacci_directions(lights)
     uniform = DistantLight(directions, np.eye(lights))
-    lamp = Phong(0.02, 15.0)
+    lamp = Phong(15.0, 0.02)
 
     def components(
         *,
@@ -186,7 +187,10 @@ def _variants(lights: int = 600, size: int = 80) -> dict[str, Callable[[], Empir
         posed = mesh.rotated(_about_y(turned)) if turned else mesh
         view = gbuffer(posed, camera(posed, size))
         albedo = luminance(view.albedo) if textured else view.mask * 0.5
-        images = render(view, light, albedo=albedo, caster=posed if shadows else None, phong=phong)
+        caster = posed if shadows else None
+        images = render(view, light, albedo=albedo, caster=caster)
+        if phong is not None:
+            images += render(view, light, albedo=view.mask * 1.0, caster=caster, material=phong)
         if noise:
             exposed = images / np.percentile(images, 99.9)
             images = photograph(exposed, rng=0, full_well=2000.0, read_noise=10.0, bits=8)

@@ -6,6 +6,7 @@ from harmface.sphere.directions import (
     random_directions,
     stratified_directions,
 )
+from harmface.sphere.frames import frames_facing, in_frames, mixed_functions
 from harmface.sphere.gradients import derivative_matrices, harmonic_gradients
 from harmface.sphere.harmonics import real_harmonics
 from harmface.sphere.products import (
@@ -25,10 +26,13 @@ __all__ = [
     "derivative_matrices",
     "energy_per_degree",
     "fibonacci_directions",
+    "frames_facing",
     "gaunt_tensor",
     "gauss_legendre",
     "harmonic_gradients",
+    "in_frames",
     "lebedev",
+    "mixed_functions",
     "multiplication_matrix",
     "product",
     "project",

@@ -4,6 +4,7 @@ from harmface.viz.decimation import decimated
 from harmface.viz.environments import environment_figure, show_linear
 from harmface.viz.evaluation import evaluation_figure
 from harmface.viz.figures import figure_bytes, write_figure
+from harmface.viz.glossy import reflection_figure
 from harmface.viz.harmonics import basis_figure
 from harmface.viz.interactive import interactive
 from harmface.viz.inverse import light_figure
@@ -30,6 +31,7 @@ __all__ = [
     "modes_figure",
     "near_light_figure",
     "plot",
+    "reflection_figure",
     "show_linear",
     "spectrum_figure",
     "stereo_figure",

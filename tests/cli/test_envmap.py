@@ -212,3 +212,33 @@ def test_render_decodes_its_environment_apart_from_its_picture(run, tmp_path):
     lit = values[0] > 0.1
     ratio = ((value + 0.055) / 1.055) ** 2.4 / value
     np.testing.assert_allclose(values[1][lit] / values[0][lit], ratio, rtol=1e-3)
+
+
+def test_reflect_writes_the_lobe_of_the_map_and_a_figure(run, smooth, tmp_path):
+    outcome = run(
+        *("envmap", "reflect", smooth, "--material", "phong:20", "--size", 16),
+        *("--out", "g.hdr", "--figure", "g.png"),
+    )
+    assert outcome.code == 0
+    assert (tmp_path / "g.png").stat().st_size > 5000
+    environment, found = (read_environment_map(tmp_path / name) for name in (smooth, "g.hdr"))
+    mirrored = found.directions
+    lobe = np.maximum(mirrored @ environment.directions.reshape(-1, 3).T, 0) ** 20
+    power = (environment.radiance * environment.solid_angles).reshape(3, -1)
+    expected = 21 / (2 * np.pi) * np.moveaxis(lobe @ power.T, -1, 0)
+    # RGBE has eight bits of the largest channel.
+    assert np.abs(found.radiance - expected).max() < 0.01 * expected.max()
+
+
+@pytest.mark.parametrize(
+    ("material", "message"),
+    [
+        ("ggx:-0.1", "roughness must lie in"),
+        ("phong:1e400", "exponent must lie in"),
+        ("ggx:0.01", "beyond degree 16"),
+        ("merl:m.hdr", "MERL table of 90 x 90 x 180"),
+        ("gold", "no material 'gold'"),
+    ],
+)
+def test_reflect_refuses_materials_that_are_none(material, message, smooth, check_refused):
+    check_refused(message, *("envmap", "reflect", smooth, "--material", material, "--out", "g.hdr"))

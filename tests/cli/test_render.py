@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from data_synth.faces import head
-from harmface.io import read_image, write_ply
+from harmface.io import read_image, write_environment_map, write_ply
 from harmface.reproduce.synthetic import mesh_of
 
 LAMPS = ("-40,0", "40,0", "0,40", "0,-30", "30,30", "-30,30", "25,-25", "-10,15")
@@ -75,3 +75,36 @@ def test_stereo_and_light_read_it_unasked(run, heads):
     assert np.degrees(np.arccos(np.clip(agree[seen], -1, 1))).mean() < 2
     outcome = run("envmap", "project", "p8/0.png", "--layout", "angular", "--json")
     assert "taken as linear" not in outcome.err
+
+
+def test_a_material_changes_what_is_seen(run, heads):
+    seen = {}
+    for material in ("lambert", "ggx:0.3", "mirror"):
+        light = ("--environment", "sky.hdr") if material == "mirror" else ("--light", "30,20")
+        sky = np.zeros((8, 16, 3), np.float32)
+        sky[:4] = 1
+        write_environment_map("sky.hdr", sky)
+        outcome = run(
+            *("render", heads / "head_1.ply", *light, "--material", material, "--size", 24),
+            *("--exposure", 0.2, "--bits", 16, "--out", "m.png"),
+        )
+        assert outcome.code == 0
+        seen[material] = read_image("m.png")
+    assert seen["ggx:0.3"].max() > 1.5 * np.median(seen["ggx:0.3"][seen["ggx:0.3"] > 0])
+    assert np.abs(seen["ggx:0.3"] - seen["lambert"]).max() > 0.1
+    # A mirror under a white dome shows it above and black below.
+    values = seen["mirror"]
+    assert values.max() > 0
+    assert values[:8].mean() > values[18:].mean()
+
+
+@pytest.mark.parametrize(
+    ("light", "message"),
+    [
+        (("--light", "0,0", "--material", "mirror"), "a mirror shows lamps nowhere"),
+        (("--environment", "grace", "--material", "ggx:0.3"), "needs a map or lamps"),
+        (("--light", "0,0", "--material", "ggx"), "needs a number"),
+    ],
+)
+def test_materials_that_the_light_cannot_show_are_refused(light, message, heads, check_refused):
+    check_refused(message, "render", heads / "head_1.ply", *light, "--out", "m.png")

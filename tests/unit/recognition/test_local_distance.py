@@ -18,7 +18,8 @@ from harmface.recognition import (
     orthonormal_basis,
     subspace_distances,
 )
-from harmface.rendering import Phong, box_average, render
+from harmface.reflectance import Phong
+from harmface.rendering import box_average, render
 from harmface.reproduce.synthetic import light_of, mesh_of
 
 SHAPE = (48, 42)
@@ -43,7 +44,10 @@ def faces():
             x, y = rng.normal(0, 1.5, 2)
             view = gbuffer(mesh, OrthographicCamera((x, y - 26, front), 148.0, (96, 84)))
             lamp = type(lights)(lights.directions[[light]], np.ones((1, 1)))
-            seen = render(view, lamp, caster=mesh, phong=Phong(0.04, 10))[0]
+            seen = render(view, lamp, caster=mesh)[0]
+            white = np.ones(view.mask.shape)
+            coat = Phong(10, 0.04)
+            seen += render(view, lamp, albedo=white, caster=mesh, material=coat)[0]
             images.append(box_average(seen, 2) + 0.005 * view.mask.any())
         stack = np.stack(images)
         full = np.percentile(stack[0], 95)
