@@ -18,6 +18,7 @@ _SUBPACKAGES = (
     "inverse",
     "io",
     "light",
+    "moving",
     "pca",
     "recognition",
     "reflectance",

@@ -22,6 +22,7 @@ from harmface.cli import (
     cluster,
     envmap,
     evaluate,
+    film,
     light,
     nearlight,
     pca,
@@ -60,6 +61,7 @@ app.command("cluster")(cluster.cluster)
 app.command("pca")(pca.pca)
 app.command("evaluate")(evaluate.evaluate)
 app.command("stereo")(stereo.stereo)
+app.command("film")(film.film)
 app.command("reproduce")(reproduce.reproduce)
 
 

@@ -129,3 +129,43 @@ def dataset(
     with progress("rendering") as report:
         make_dataset(out, request, report)
     output.print(f"{identities} subjects in {out}")
+
+
+@app.command()
+def film(
+    environment: Annotated[Path, typer.Option(help="Map of the light, which stands still.")],
+    out: OutOption,
+    seed: Annotated[int, typer.Option("--seed", "--head", help="Which head.")] = 0,
+    frames: Annotated[int, typer.Option(help="Number of frames.")] = 60,
+    turn: Annotated[
+        str, typer.Option(help="Range of yaw and of pitch, degrees; without one it stays at 0.")
+    ] = "yaw:-30:30,pitch:-10:10",
+    size: Annotated[int, typer.Option(help="Rows and columns of the frames.")] = 160,
+    noise: Annotated[
+        float, typer.Option(help="Noise of a white pixel as a share of white.")
+    ] = 0.01,
+    plain: Annotated[bool, typer.Option("--plain", help="The head has one albedo.")] = False,
+) -> None:
+    """Render a film of a turning head: 16-bit linear PNGs, masks, poses and the true surface.
+
+    Camera and light stand still, the head casts shadows on itself, and the exposure is one.
+
+    Example: harmface synth film --seed 4 --frames 60 --environment studio.hdr --out film
+    """
+    from harmface.io import read_environment_map
+    from harmface.reproduce.films import synthesize_film
+
+    light = read_environment_map(environment)
+    with progress("rendering") as report:
+        synthesize_film(
+            out,
+            light,
+            seed=seed,
+            frames=frames,
+            turn=turn,
+            size=size,
+            noise=noise,
+            plain=plain,
+            progress=report,
+        )
+    output.print(f"{frames} frames in {out}")

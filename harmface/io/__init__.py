@@ -9,6 +9,7 @@ from harmface.io.environment_maps import (
     read_environment_map,
     write_environment_map,
 )
+from harmface.io.films import Frames, read_film
 from harmface.io.folders import output_folder, prepare_folder
 from harmface.io.galleries import read_gallery, write_gallery
 from harmface.io.gallery_choice import choose_gallery
@@ -21,6 +22,7 @@ from harmface.io.npz import read_npz, write_npz
 from harmface.io.photo_sets import Photograph, find_photographs, read_photographs
 from harmface.io.pictures import MAX_PIXELS
 from harmface.io.pixel_maps import read_albedo_map, read_normal_map
+from harmface.io.poses import read_cameras, read_poses, write_poses
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.scenes import read_scene
 from harmface.io.surfaces import (
@@ -42,6 +44,7 @@ __all__ = [
     "MESH_FILES",
     "Capture",
     "Dataset",
+    "Frames",
     "Lights",
     "Photograph",
     "Surface",
@@ -53,10 +56,12 @@ __all__ = [
     "output_folder",
     "prepare_folder",
     "read_albedo_map",
+    "read_cameras",
     "read_capture",
     "read_coefficients",
     "read_dataset",
     "read_environment_map",
+    "read_film",
     "read_gallery",
     "read_image",
     "read_lights",
@@ -68,6 +73,7 @@ __all__ = [
     "read_normal_map",
     "read_npz",
     "read_photographs",
+    "read_poses",
     "read_probe_grid",
     "read_scene",
     "read_surface",
@@ -83,6 +89,7 @@ __all__ = [
     "write_npz",
     "write_obj",
     "write_ply",
+    "write_poses",
     "write_probe_grid",
     "write_surface",
     "write_tool_coefficients",

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -15,7 +16,6 @@ from harmface.io.files import PARSE_ERRORS, excerpt, read_bytes
 from harmface.io.images import write_image
 from harmface.io.meshes import read_mesh, write_glb, write_obj, write_ply
 from harmface.io.tables import npy_array
-from harmface.stereo import StereoResult
 
 MESH_FILES = {
     "ply": ("mesh.ply",),
@@ -24,6 +24,27 @@ MESH_FILES = {
 }
 
 _ARRAYS = ("normals.npy", "albedo.npy", "depth.npy", "confidence.npy")
+
+
+@runtime_checkable
+class PixelSurface(Protocol):
+    """A surface over the pixels of a picture: `StereoResult`, `FilmSurface`."""
+
+    @property
+    def normals(self) -> Float[np.ndarray, "H W 3"]:
+        """Unit normals; zero outside the mask."""
+
+    @property
+    def albedo(self) -> Float[np.ndarray, "H W"]:
+        """Albedo."""
+
+    @property
+    def confidence(self) -> Float[np.ndarray, "H W"]:
+        """How far to trust each pixel, in (0, 1]."""
+
+    @property
+    def mask(self) -> Bool[np.ndarray, "H W"]:
+        """The pixels."""
 
 
 def surface_files(mesh_format: str) -> list[str]:
@@ -44,20 +65,20 @@ def surface_files(mesh_format: str) -> list[str]:
 
 def write_surface(
     folder: Path,
-    found: StereoResult,
+    found: PixelSurface,
     depth: Float[np.ndarray, "H W"],
     mesh: Mesh,
     mesh_mask: Bool[np.ndarray, "H W"],
     mesh_format: str = "ply",
 ) -> None:
-    """Write what photometric stereo found.
+    """Write a surface that photographs told.
 
     Parameters
     ----------
     folder
         Must exist.
     found
-        Normals, albedo and confidence.
+        Normals, albedo and confidence, such as a `StereoResult`.
     depth
         Of the same size.
     mesh, mesh_mask

@@ -5,6 +5,7 @@ from harmface.reproduce import (
     irradiance,
     lambert,
     materials,
+    moving,
     near_field,
     pca,
     recognition,
@@ -52,4 +53,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "near-field-gain": near_field.gain,
     "near-field-cost": near_field.cost,
     "near-light-energy": near_field.near_light_energy,
+    "moving-light-degree-1": moving.light_degree_1,
+    "moving-one-axis": moving.one_axis,
+    "moving-head": moving.head,
 }

@@ -4,6 +4,7 @@ from harmface.viz.decimation import decimated
 from harmface.viz.environments import environment_figure, show_linear
 from harmface.viz.evaluation import evaluation_figure
 from harmface.viz.figures import figure_bytes, write_figure
+from harmface.viz.film import film_figure
 from harmface.viz.glossy import reflection_figure
 from harmface.viz.harmonics import basis_figure
 from harmface.viz.interactive import interactive
@@ -25,6 +26,7 @@ __all__ = [
     "evaluation_figure",
     "explanation_figure",
     "figure_bytes",
+    "film_figure",
     "interactive",
     "light_figure",
     "lit_sphere",
