@@ -24,6 +24,7 @@ _SUBPACKAGES = (
     "reflectance",
     "rendering",
     "reproduce",
+    "scale",
     "sphere",
     "stereo",
     "viz",

@@ -19,6 +19,7 @@ from harmface.errors import ArgumentError, FileError, FileWarning
 if TYPE_CHECKING:
     from harmface.io import Photograph
     from harmface.recognition import Gallery, Photographs, SubjectClassifier
+    from harmface.scale import Engine
 
 SizeOption = Annotated[int, typer.Option(help="Rows and columns of the picture.")]
 MaxDegreeOption = Annotated[
@@ -70,6 +71,14 @@ LearnFromOption = Annotated[
         "how light changes faces; procedural heads by default.",
     ),
 ]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Work in N processes, by Dask."),
+]
+SchedulerOption = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="Work on a Dask cluster."),
+]
 FIGURE_HELP = "The ending of its name says the format: .png, .svg or .pdf."
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
@@ -114,6 +123,36 @@ def claim_outputs(*outputs: Path | None, inputs: Iterable[Path] = ()) -> None:
             raise FileError(f"{path}: is the name of two outputs; give each its own")
         claimed.append(target)
         _claimed.enter_context(claim(path))
+
+
+def claim_store(out: Path, inputs: Iterable[Path]) -> None:
+    """Keep other processes from a store that a command will write, until it ends.
+
+    Raises
+    ------
+    FileError
+        If it lies in a folder that is read, or another process is writing it.
+    """
+    from harmface.io import claim
+
+    target = Path(os.path.realpath(out))
+    read = [Path(os.path.realpath(path)) for path in inputs]
+    if target in read or not read_apart(target, read):
+        raise FileError(f"{out}: is read as well, or lies in what is; give another name")
+    # The folder need not be there yet: its name is claimed, beside it.
+    _claimed.enter_context(claim(out.with_name(f"{out.name}.store")))
+
+
+@contextmanager
+def working(workers: int | None, scheduler: str | None) -> Iterator["Engine"]:
+    """Open where a command works, and say on stderr where that can be watched."""
+    from harmface.scale import engine
+
+    def tell(dashboard: str) -> None:
+        errors.print(f"dashboard: {dashboard}", highlight=False, soft_wrap=True)
+
+    with told(), engine(workers, scheduler, tell) as found:
+        yield found
 
 
 def read_apart(output: Path, inputs: Iterable[Path]) -> bool:
@@ -339,6 +378,8 @@ def read_probes(
     `like` says how many rows and columns the photographs of the gallery had before they were
     resized to the mask's, if they were: images are resized as they were.
     """
+    from harmface.io.photo_sets import read_probe
+
     kept: list[Path] = []
     probes: list[np.ndarray] = []
     skipped: list[FileError] = []
@@ -346,7 +387,7 @@ def read_probes(
     with told(), progress("reading") as report:
         for number, path in enumerate(paths):
             try:
-                probes.append(_probe(path, mask, like, srgb, limit))
+                probes.append(read_probe(path, mask, like=like, srgb=srgb, max_pixels=limit))
                 kept.append(path)
             except FileError as error:
                 if not skip_bad:
@@ -357,29 +398,6 @@ def read_probes(
     if not kept:
         raise FileError("no image is left to recognise")
     return kept, np.stack(probes), skipped
-
-
-def _probe(
-    path: Path, mask: np.ndarray, like: tuple[int, int] | None, srgb: bool, max_pixels: int
-) -> np.ndarray:
-    from harmface.conventions import luminance
-    from harmface.io import read_image
-    from harmface.io.photo_sets import resized
-
-    image = read_image(path, srgb=srgb, max_pixels=max_pixels)
-    image = luminance(image) if image.ndim == 3 else image
-    if like is not None:
-        image = resized(path, image, (mask.shape[0], mask.shape[1]), like)
-    if image.shape != mask.shape:
-        raise FileError(
-            f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, the gallery has "
-            f"{mask.shape[0]} x {mask.shape[1]}; resize it, or enroll with its --size"
-        )
-    if not image[mask].any():
-        raise FileError(f"{path}: is all black where faces are; give a photograph with light in it")
-    if np.ptp(image[mask]) == 0:
-        raise FileError(f"{path}: has one value everywhere that faces are; it shows nothing")
-    return image
 
 
 @contextmanager

@@ -1,6 +1,8 @@
 """`harmface envmap`: environment maps, their nine numbers, and irradiance from them."""
 
 import json
+import os
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -14,20 +16,29 @@ from harmface.cli.common import (
     DpiOption,
     JsonOption,
     MaxDegreeOption,
+    SchedulerOption,
+    SkipBadOption,
+    WorkersOption,
     claim_outputs,
     output,
+    progress,
+    read_apart,
+    tell_skipped,
+    working,
 )
 from harmface.cli.light_source import MapArgument, MapReading
 from harmface.cli.material import MaterialOption, load_material, material_files
 from harmface.cli.option_groups import with_options
 from harmface.conventions import degree_order, max_degree_of
-from harmface.errors import ArgumentError
+from harmface.errors import ArgumentError, FileError
 from harmface.light import EnvironmentMap
 
 app = typer.Typer(
     help="Environment maps: project, prefilter, convert, rotate, show.", no_args_is_help=True
 )
 COMPARED_ROWS = 32
+MAP_SUFFIXES = (".hdr", ".pfm", ".exr")
+"""Endings of the maps that are found in a folder: of floating-point formats."""
 OutMap = Annotated[Path, typer.Option(help="Map to write: .hdr, .pfm or .exr.")]
 
 
@@ -38,7 +49,10 @@ def project(
     max_degree: MaxDegreeOption = 2,
     out: Annotated[
         Path | None,
-        typer.Option(help="JSON file to write; `render` and `envmap irradiance` read it as light."),
+        typer.Option(
+            help="JSON file to write, of a folder of maps a folder to make; `render` and `envmap "
+            "irradiance` read it as light."
+        ),
     ] = None,
     tool: Annotated[
         str | None,
@@ -50,12 +64,20 @@ def project(
         ),
     ] = None,
     as_json: JsonOption = False,
+    skip_bad: SkipBadOption = False,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
     *,
     reading: MapReading,
 ) -> None:
     """Print the lighting coefficients L_lm of a map (RH01 eq. 10), for each channel.
 
+    Of a folder all maps are projected, each to a file of its own; where a run was stopped the same
+    command goes on.
+
     Example: harmface envmap project forest.hdr --out forest.json
+
+    Example: harmface envmap project maps --workers 2 --out coefficients
     """
     from harmface.io import tool_text, write_tool_coefficients
     from harmface.light import project as project_map
@@ -63,6 +85,13 @@ def project(
     checks.degree("--max-degree", max_degree)
     if tool is not None and as_json:
         raise ArgumentError("--json and --format are two ways to print; give one of them")
+    if len(environment) == 1 and environment[0].is_dir():
+        if tool is not None or as_json or out is None:
+            raise ArgumentError("a folder of maps is projected to --out FOLDER, as JSON files")
+        _project_all(environment[0], out, max_degree, skip_bad, workers, scheduler, reading)
+        return
+    if skip_bad or workers is not None or scheduler is not None:
+        raise ArgumentError("--skip-bad, --workers and --scheduler are for a folder of maps")
     claim_outputs(out, inputs=environment)
     coefficients = np.atleast_2d(project_map(reading.load_map(environment), max_degree))
     text = tool_text(coefficients, tool or "harmface")
@@ -264,6 +293,34 @@ def show(
     found = reading.load_map(environment)
     write_figure(out, environment_figure(found, project_map(found, max_degree)), dpi=dpi)
     output.print(f"picture in {out}")
+
+
+def _project_all(
+    folder: Path,
+    out: Path,
+    max_degree: int,
+    skip_bad: bool,
+    workers: int | None,
+    scheduler: str | None,
+    reading: MapReading,
+) -> None:
+    """Project all maps of a folder."""
+    from harmface.scale import Job, project_maps
+
+    files = sorted(path for path in folder.iterdir() if path.suffix.lower() in MAP_SUFFIXES)
+    if not files:
+        raise FileError(f"{folder}: holds no map; give {', '.join(MAP_SUFFIXES)} files")
+    if not read_apart(Path(os.path.realpath(out)), [folder.resolve()]):
+        raise FileError(f"{out}: lies in {folder}, which is read; give a folder elsewhere")
+    with working(workers, scheduler) as engine, progress("projecting") as report:
+        job = Job(engine, report, skip_bad)
+        kept, skipped = project_maps(out, files, partial(_read_one, reading), max_degree, job)
+    tell_skipped(skipped)
+    output.print(f"coefficients of {len(kept)} maps in {out}")
+
+
+def _read_one(reading: MapReading, path: Path) -> EnvironmentMap:
+    return reading.load_map([path])
 
 
 def _window(name: str, count: int) -> np.ndarray:

@@ -21,9 +21,11 @@ from harmface.cli.common import (
     LearnFromOption,
     MaxPixelsOption,
     ResizeOption,
+    SchedulerOption,
     SessionsOption,
     SkipBadOption,
     SrgbOption,
+    WorkersOption,
     fitted,
     gallery_of_photographs,
     output,
@@ -31,12 +33,14 @@ from harmface.cli.common import (
     read_others,
     read_subjects,
     rows_and_columns,
+    working,
 )
 from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from harmface.io.parts import Parts
     from harmface.recognition import Gallery, Photographs
+    from harmface.scale import Engine
 
 SEED = 0
 """Of the bootstrap."""
@@ -81,6 +85,8 @@ def evaluate(
     sessions: SessionsOption = False,
     max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Measure recognisers on photographs: who is named wrongly, by lighting subset.
@@ -125,6 +131,7 @@ def evaluate(
     best = best_method(known, learning=True)
     settings = {name: best if name == "best" else name for name in asked}
     with ExitStack() as held:
+        engine = held.enter_context(working(workers, scheduler))
         parts = None
         if out is not None:
             held.enter_context(output_folder(out, FILES))
@@ -136,7 +143,8 @@ def evaluate(
         files = [str(each.path.relative_to(folder)) for each in kept]
         probes = [file for file, in_gallery in zip(files, enrolled, strict=True) if not in_gallery]
         results = _results(
-            settings, parts, known, others, images[~enrolled], names[~enrolled], subsets, probes
+            *(settings, parts, known, others, images[~enrolled], names[~enrolled], subsets),
+            *(probes, engine),
         )
         differences = _differences(results, np.array(probes), names[~enrolled])
         record = {
@@ -183,8 +191,11 @@ def _results(
     names: np.ndarray,
     subsets: np.ndarray,
     files: list[str],
+    engine: "Engine",
 ) -> dict[str, dict[str, Any]]:
     """Return the figures of every method; what a stopped run found is taken from its parts."""
+    from harmface.scale import distances_on
+
     rows = probes.reshape(len(probes), -1)
     results: dict[str, dict[str, Any]] = {}
     for name, setting in settings.items():
@@ -195,7 +206,7 @@ def _results(
         classifier = fitted(gallery, setting, others)
         gallery = classifier.gallery_
         start = time.perf_counter()
-        distances = classifier.distances(rows)
+        distances = distances_on(engine, classifier, rows)
         seconds = (time.perf_counter() - start) / len(rows)
         truth = np.searchsorted(classifier.classes_, names)
         chances = classifier.probabilities(distances) if classifier.calibrated else None

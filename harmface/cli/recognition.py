@@ -15,15 +15,19 @@ from harmface.cli.common import (
     LearnFromOption,
     MaxPixelsOption,
     MethodOption,
+    SchedulerOption,
     SessionsOption,
     SkipBadOption,
     SrgbOption,
+    WorkersOption,
     claim_outputs,
+    claim_store,
     errors,
     fitted,
     holds_photographs,
     mesh_files,
     output,
+    pixel_limit,
     progress,
     read_enrolled,
     read_others,
@@ -31,12 +35,15 @@ from harmface.cli.common import (
     rows_and_columns,
     rows_of_square,
     tell_skipped,
+    working,
 )
 from harmface.cli.mesh_options import MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from harmface.recognition import Gallery, SubjectClassifier
     from harmface.recognition.registration import Motion
 
@@ -50,11 +57,10 @@ def enroll(
         list[Path],
         typer.Argument(
             metavar="MESHES_OR_DIR...",
-            help="Mesh files, folders of them, or one folder of photographs: Extended Yale B, or "
-            "a folder for each subject.",
+            help="Meshes, folders of them, or a folder of photographs: Yale B, or one a subject.",
         ),
     ],
-    out: Annotated[Path, typer.Option(help="Gallery file (.npz) to write.")],
+    out: Annotated[Path, typer.Option(help="Gallery to write: .npz, or a store .zarr.")],
     method: MethodOption = "best",
     learn_from: LearnFromOption = None,
     size: Annotated[
@@ -64,14 +70,16 @@ def enroll(
     gallery: Annotated[
         str | None,
         typer.Option(
-            help="Which photographs to enroll: ninepoints, subset1, first:N of each subject, or a "
-            "text file of their names; all by default."
+            help="Photographs to enroll: ninepoints, subset1, first:N of each, or a file of names; "
+            "all by default."
         ),
     ] = None,
     srgb: SrgbOption = False,
     sessions: SessionsOption = False,
     max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
     *,
     mesh_reading: MeshReading,
 ) -> None:
@@ -85,30 +93,45 @@ def enroll(
     Photographs must be cropped alike; those to be recognised are treated as they are (--srgb,
     --size). Of fewer than seven a person, what light does to faces is learned from other people:
     from procedural heads, rendered once and kept, or from --learn-from. Of more whose names tell
-    the light, as Extended Yale B has, surfaces are recovered, and what they look like under the
-    nine points of light is enrolled besides.
+    the light, as of Extended Yale B, surfaces are recovered and shown under nine lights more.
+
+    A gallery NAME.zarr need not fit in memory. It holds subspaces: method subspace (best, of
+    photographs), 25d (best, of meshes), 3d, 4d, 9d or 16d.
 
     Example: harmface enroll faces --size 64 --out gallery.npz
 
-    Example: harmface enroll CroppedYale --gallery subset1 --size 48x42 --out people.npz
+    Example: harmface enroll Yale --gallery subset1 --size 48x42 --out people.npz
+
+    Example: harmface enroll heads --method 9d --workers 2 --out big.zarr
     """
     from harmface.io import write_gallery
     from harmface.recognition import distance_named
 
+    photographed = holds_photographs(sources)
+    if photographed and mesh_reading != MeshReading():
+        raise ArgumentError("options on how to read a mesh are for meshes, not photographs")
+    if not photographed and (gallery is not None or srgb or sessions):
+        raise ArgumentError("--gallery, --sessions and --srgb are for photographs, not meshes")
+    if is_store(out):
+        if learn_from is not None:
+            raise ArgumentError("--learn-from is for gallery files (.npz), not for stores (.zarr)")
+        _enroll_store(
+            *(sources, out, method, size, gallery, srgb, sessions, max_pixels, skip_bad),
+            *(workers, scheduler, mesh_reading),
+        )
+        return
+    if workers is not None or scheduler is not None:
+        raise ArgumentError("--workers and --scheduler are for galleries in stores (.zarr)")
     claim_outputs(out, inputs=[*sources, *filter(None, [mesh_reading.texture])])
     if method != "best":
         distance_named(method)  # names the methods there are before anything is read
-    if holds_photographs(sources):
-        if mesh_reading != MeshReading():
-            raise ArgumentError("options on how to read a mesh are for meshes, not photographs")
+    if photographed:
         enrolled = read_enrolled(
             *(sources[0], gallery, rows_and_columns(size), srgb, skip_bad),
             sessions=sessions,
             max_pixels=max_pixels,
         )
     else:
-        if gallery is not None or srgb or sessions:
-            raise ArgumentError("--gallery, --sessions and --srgb are for photographs, not meshes")
         enrolled = _from_meshes(sources, size, mesh_reading, skip_bad)
     others = read_others(learn_from, enrolled, srgb, max_pixels)
     classifier = fitted(enrolled, method, others)
@@ -117,8 +140,13 @@ def enroll(
 
 
 def recognize(
-    gallery: Annotated[Path, typer.Argument(help="Gallery file made by `harmface enroll`.")],
-    images: Annotated[list[Path], typer.Argument(metavar="IMAGES...", help="Photographs.")],
+    gallery: Annotated[Path, typer.Argument(help="Gallery made by `harmface enroll`.")],
+    images: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="IMAGES...", help="Photographs; with a gallery in a store, a store of `pack`."
+        ),
+    ],
     method: Annotated[
         str | None,
         typer.Option(help="Another method than the gallery was enrolled for, see `enroll`."),
@@ -138,6 +166,15 @@ def recognize(
     srgb: SrgbOption = False,
     max_pixels: MaxPixelsOption = None,
     skip_bad: SkipBadOption = False,
+    first_pass: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Of stores: compare with the N subjects that are nearest in 256 dimensions only.",
+        ),
+    ] = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Rank the subjects of a gallery by how well each explains an image, whatever the light.
@@ -150,14 +187,31 @@ def recognize(
     nine lights). An image that is farther from everybody than photographs that were held out is
     named in a note: it may show no face.
 
+    Of stores (.zarr) neither the gallery nor the probes need fit in memory. There is no probability
+    then, and the images are compared as they lie. With --first-pass 100 a large gallery takes a
+    fraction of the time, and who is nearest may be missed.
+
     Example: harmface recognize gallery.npz probe.png --top 5
 
     Example: harmface recognize gallery.npz *.png --reject 0.01 --figure why.png
+
+    Example: harmface recognize big.zarr probes.zarr --workers 2 --top 5 --json
     """
     from harmface.io import read_gallery
     from harmface.recognition import margins
 
     checks.positive_integer("--top", top)
+    if is_store(gallery):
+        if method is not None or reject is not None or figure is not None or srgb or skip_bad:
+            raise ArgumentError(
+                "of a store there are --top, --first-pass, --json, --workers and --scheduler only"
+            )
+        _recognize_stores(gallery, images, top, first_pass, as_json, workers, scheduler)
+        return
+    if workers is not None or scheduler is not None or first_pass is not None:
+        raise ArgumentError(
+            "--first-pass, --workers and --scheduler are for galleries in stores (.zarr)"
+        )
     claim_outputs(figure, inputs=[gallery, *images])
     classifier = read_gallery(gallery)
     if method not in (None, classifier.method):
@@ -221,6 +275,147 @@ def recognize(
         return
     for result in results:
         _print_answer(result, rejection)
+
+
+def pack(
+    images: Annotated[
+        list[Path], typer.Argument(metavar="IMAGES_OR_DIR...", help="Photographs, folders of them.")
+    ],
+    like: Annotated[Path, typer.Option(metavar="GALLERY", help="Store of the gallery (.zarr).")],
+    out: Annotated[Path, typer.Option(help="Store of probes (.zarr) to make, or to finish.")],
+    srgb: SrgbOption = False,
+    max_pixels: MaxPixelsOption = None,
+    skip_bad: SkipBadOption = False,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+) -> None:
+    """Put photographs into a store of probes, to be recognised by a gallery in a store.
+
+    They are resized and cut as the gallery's were. Where a run was stopped the same command goes
+    on.
+
+    Example: harmface pack photographs --like big.zarr --workers 2 --out probes.zarr
+    """
+    from harmface.io import find_photographs, open_store
+    from harmface.scale import Job, pack_probes
+
+    if not is_store(out):
+        raise ArgumentError(f"--out must end in .zarr, got {out}")
+    claim_store(out, [like, *images])
+    gallery = open_store(like, "gallery")
+    files: list[Path] = []
+    for path in images:
+        found = find_photographs(path, unlabelled=True) if path.is_dir() else None
+        files += [path] if found is None else [photograph.path for photograph in found]
+    with working(workers, scheduler) as engine, progress("packing") as report:
+        job = Job(engine, report, skip_bad)
+        store, skipped = pack_probes(
+            out, files, gallery, srgb, job, max_pixels=pixel_limit(max_pixels)
+        )
+    tell_skipped(skipped)
+    output.print(f"{len(store.names)} probes in {out}", soft_wrap=True)
+
+
+def is_store(path: Path) -> bool:
+    """Return whether a name is that of a store."""
+    return path.suffix == ".zarr"
+
+
+def _enroll_store(
+    sources: list[Path],
+    out: Path,
+    method: str,
+    size: str | None,
+    gallery: str | None,
+    srgb: bool,
+    sessions: bool,
+    max_pixels: int | None,
+    skip_bad: bool,
+    workers: int | None,
+    scheduler: str | None,
+    mesh_reading: MeshReading,
+) -> None:
+    """Enroll subjects in a store."""
+    from harmface.io import choose_gallery, find_photographs
+    from harmface.scale import Job, enroll_meshes, enroll_photographs
+
+    claim_store(out, sources)
+    photographs = None
+    if holds_photographs(sources):
+        shape = rows_and_columns(size)
+        photographs = find_photographs(sources[0], sessions=sessions)
+        if gallery is not None:
+            chosen = choose_gallery(photographs, gallery)
+            photographs = [each for each, one in zip(photographs, chosen, strict=True) if one]
+    with working(workers, scheduler) as engine, progress("enrolling") as report:
+        job = Job(engine, report, skip_bad)
+        if photographs is None:
+            side = rows_of_square(size or "64")
+            files = mesh_files(sources)
+            store, skipped = enroll_meshes(out, files, mesh_reading.load, side, method, job)
+        else:
+            store, skipped = enroll_photographs(
+                *(out, photographs, method, shape, srgb, job), max_pixels=pixel_limit(max_pixels)
+            )
+    tell_skipped(skipped)
+    rows, columns = store.mask.shape
+    output.print(
+        f"{len(store.names)} subjects at {rows} x {columns} pixels in {out}, for "
+        f"{store.facts['method']}",
+        soft_wrap=True,
+    )
+
+
+def _recognize_stores(
+    gallery: Path,
+    images: list[Path],
+    top: int,
+    first_pass: int | None,
+    as_json: bool,
+    workers: int | None,
+    scheduler: str | None,
+) -> None:
+    """Recognise a store of probes in a store of subjects; answers are printed as they come."""
+    from harmface.io import open_store
+    from harmface.scale import recognize as ranked
+
+    if len(images) != 1 or not is_store(images[0]):
+        raise ArgumentError(
+            f"{gallery}: is a store, for which probes must be one too; see `harmface pack`"
+        )
+    subjects, probes = open_store(gallery, "gallery"), open_store(images[0], "probes")
+    results: list[dict[str, Any]] = []
+    with working(workers, scheduler) as engine, progress("comparing") as report:
+        # The margin tells the first from the second.
+        for found in ranked(subjects, probes, max(top, 2), engine, first_pass):
+            for near, far in zip(found.subjects, found.distances, strict=True):
+                results.append(_answer(probes.names[len(results)], subjects.names, near, far, top))
+            report(len(results) / len(probes.names))
+    if as_json:
+        record = {
+            "method": subjects.facts["method"],
+            "subjects": len(subjects.names),
+            "rejection": None,
+            "skipped": 0,
+            "results": results,
+        }
+        typer.echo(json.dumps(record, indent=1))
+        return
+    for result in results:
+        _print_answer(result, None)
+
+
+def _answer(
+    image: str, names: "Sequence[str]", near: np.ndarray, far: np.ndarray, top: int
+) -> dict[str, Any]:
+    """Return what is printed of a probe of a store."""
+    margin = float((far[1] - far[0]) / far[1]) if np.isfinite(far[1]) and far[1] > 0 else None
+    ranking = [
+        {"subject": names[subject], "distance": float(distance), "probability": None}
+        for subject, distance in zip(near[:top], far[:top], strict=True)
+        if subject >= 0
+    ]
+    return {"image": image, "ranking": ranking, "margin": margin}
 
 
 def _stored_size(enrolled: "Gallery") -> tuple[int, int] | None:

@@ -6,7 +6,15 @@ from typing import Annotated
 
 import typer
 
-from harmface.cli.common import claim_outputs, output, progress, read_apart
+from harmface.cli.common import (
+    SchedulerOption,
+    WorkersOption,
+    claim_outputs,
+    output,
+    progress,
+    read_apart,
+    working,
+)
 from harmface.errors import FileError
 
 app = typer.Typer(
@@ -113,21 +121,29 @@ def dataset(
     gbuffers: Annotated[
         bool, typer.Option("--gbuffers", help="Write normals, albedo, depth of each subject.")
     ] = False,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
 ) -> None:
     """Render a labelled data set: 16-bit linear PNGs, masks, and a manifest of everything.
 
     A run that was stopped goes on where it was when the same command is given again, and ends
-    with the same bytes.
+    with the same bytes, wherever it is rendered: in two processes by default, or on Dask.
 
     Example: harmface synth dataset --identities 20 --lightings yale64 --seed 3 --out set
+
+    Example: harmface synth dataset --identities 1000 --scheduler tcp://head:8786 --out set
     """
     from harmface.reproduce.datasets import Request, make_dataset
 
     request = Request(
         identities, lightings, size, seed, identity_scale, noise, cast_shadows, meshes, gbuffers
     )
-    with progress("rendering") as report:
-        make_dataset(out, request, report)
+    if workers is None and scheduler is None:
+        with progress("rendering") as report:
+            make_dataset(out, request, report)
+    else:
+        with working(workers, scheduler) as engine, progress("rendering") as report:
+            make_dataset(out, request, report, engine=engine)
     output.print(f"{identities} subjects in {out}")
 
 

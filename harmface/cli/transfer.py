@@ -1,23 +1,28 @@
 """`harmface transfer`: how light reaches a mesh, with its shadows and reflections on itself."""
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import typer
 
 from harmface import checks
-from harmface.cli.common import MaxDegreeOption, claim_outputs, errors, output, progress, told
+from harmface.cli.common import (
+    MaxDegreeOption,
+    SchedulerOption,
+    WorkersOption,
+    claim_outputs,
+    errors,
+    output,
+    progress,
+    told,
+    working,
+)
 from harmface.cli.mesh_options import MeshArgument, MeshReading
 from harmface.cli.option_groups import with_options
 from harmface.errors import ArgumentError
 from harmface.geometry import Mesh
-
-if TYPE_CHECKING:
-    from harmface.io.parts import Parts
-    from harmface.rendering.precomputed_transfer import Arrays
 
 MUCH_BACK = 0.02
 """Share of rays ending on the inner side of the surface from which on that is said."""
@@ -36,6 +41,8 @@ def transfer(
         int | None, typer.Option(help="Directions over the whole sphere; 8192 by default.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the directions.")] = 0,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
     *,
     mesh_reading: MeshReading,
 ) -> None:
@@ -51,6 +58,7 @@ def transfer(
     from harmface.io.transfers import mesh_digest
     from harmface.rendering import transfer as precomputed
     from harmface.rendering.precomputed_transfer import SAMPLES
+    from harmface.scale import kept
 
     checks.degree("--max-degree", max_degree)
     number = _bounces(bounces)
@@ -63,7 +71,7 @@ def transfer(
     parts = Parts(out.parent, key, out.name)
 
     albedo = surface.albedo.T if number else None
-    with progress("casting rays") as report:
+    with working(workers, scheduler) as engine, progress("casting rays") as report:
         found = precomputed(
             surface,
             max_degree,
@@ -72,7 +80,7 @@ def transfer(
             samples=samples,
             rng=seed,
             progress=report,
-            keep=partial(_kept, parts),
+            keep=partial(kept, parts, engine),
         )
     write_transfer(out, found, surface)
     parts.clear()
@@ -107,16 +115,6 @@ def tell_defects(name: str, mesh: Mesh) -> None:
         for note, count in notes.items():
             if count:
                 tell(f"{name}: {count} {note}")
-
-
-def _kept(parts: "Parts", name: str, make: "Callable[[], Arrays]") -> "Arrays":
-    """Return what a part of the job makes: from where it is kept, or anew, to be kept."""
-    found = parts.load(name)
-    if found is not None:
-        return found[0]
-    made = make()
-    parts.save(name, made, {})
-    return made
 
 
 def _bounces(text: str) -> int | Literal["all"]:

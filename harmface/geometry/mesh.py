@@ -1,6 +1,6 @@
 """A triangle mesh with unit vertex normals and linear RGB albedo, per vertex or from pictures."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -81,6 +81,10 @@ class Mesh:
                     f"texture must have uv, tint and image for {needed} vertices, vertices and "
                     f"faces, got {given}"
                 )
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What is made on first use is made anew where it goes: rays cannot be pickled.
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     @cached_property
     def rays(self) -> RayCaster:

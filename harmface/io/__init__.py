@@ -25,6 +25,7 @@ from harmface.io.pixel_maps import read_albedo_map, read_normal_map
 from harmface.io.poses import read_cameras, read_poses, write_poses
 from harmface.io.probe_grids import read_probe_grid, write_probe_grid
 from harmface.io.scenes import read_scene
+from harmface.io.stores import Store, create_store, open_store
 from harmface.io.surfaces import (
     MESH_FILES,
     Surface,
@@ -47,12 +48,15 @@ __all__ = [
     "Frames",
     "Lights",
     "Photograph",
+    "Store",
     "Surface",
     "atomic_write",
     "choose_gallery",
     "claim",
+    "create_store",
     "file_layout",
     "find_photographs",
+    "open_store",
     "output_folder",
     "prepare_folder",
     "read_albedo_map",

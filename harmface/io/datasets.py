@@ -10,9 +10,10 @@ from jaxtyping import Bool, Float
 
 from harmface.errors import ArgumentError, FileError
 from harmface.io.files import MAX_TEXT, PARSE_ERRORS, excerpt, is_file_name, read_bytes
+from harmface.io.folders import MANIFEST
 from harmface.io.images import read_image
 
-MANIFEST, VERSION = "manifest.json", 1
+VERSION = 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,11 +1,16 @@
 """Folders of results."""
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from harmface.errors import FileError
-from harmface.io.atomic import HIDDEN, claim, sweep
+from harmface.io.atomic import HIDDEN, atomic_write, claim, sweep
+
+MANIFEST, REQUEST = "manifest.json", "request.json"
+"""What a finished job says of all that it made, and what one that is under way was asked for."""
 
 
 def prepare_folder(folder: Path, names: list[str]) -> None:
@@ -73,3 +78,56 @@ def make_folder(folder: Path) -> list[str]:
         return sorted(entry.name for entry in folder.iterdir() if not entry.name.startswith(HIDDEN))
     except OSError as error:
         raise FileError(f"{folder}: cannot be used as a folder: {error.strerror}") from None
+
+
+@contextmanager
+def job_folder(folder: Path, request: Mapping[str, Any]) -> Iterator[None]:
+    """Hold a folder in which a job makes many files, or goes on where it was stopped.
+
+    Parameters
+    ----------
+    folder
+        Made if missing.
+    request
+        All that the files depend on: anything JSON can hold.
+
+    Yields
+    ------
+    None
+        While the block runs, others are kept out. It has to end with the manifest.
+
+    Raises
+    ------
+    FileError
+        If the folder holds anything but files of the same request, is a file, or cannot be made.
+    """
+    make_folder(folder)
+    with claim(folder):
+        entries = make_folder(folder)
+        started = next((name for name in (MANIFEST, REQUEST) if name in entries), None)
+        if started is None:
+            if entries:
+                raise FileError(
+                    f"{folder}: holds other files ({entries[0]}); give an empty or a new folder"
+                )
+            write_json(folder / REQUEST, {"request": request})
+        elif _request_of(folder / started) != request:
+            raise FileError(
+                f"{folder}: holds other results; give a new folder, or the options they were made "
+                "with"
+            )
+        yield
+        (folder / REQUEST).unlink(missing_ok=True)
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write anything that JSON can hold, whole or not at all."""
+    with atomic_write(path) as file:
+        file.write(json.dumps(content, indent=1).encode() + b"\n")
+
+
+def _request_of(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text())["request"]
+    except (KeyError, RecursionError, TypeError, ValueError):
+        return None

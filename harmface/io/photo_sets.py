@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from harmface.conventions import luminance
 from harmface.errors import ArgumentError, FileError, FileWarning
@@ -238,6 +238,51 @@ def resized(
         top, left = (rows - high) // 2, (columns - wide) // 2
         image = image[top : top + high, left : left + wide]
     return cv2.resize(image, size[::-1], interpolation=cv2.INTER_AREA)
+
+
+def read_probe(
+    path: Path,
+    mask: Bool[np.ndarray, "H W"],
+    *,
+    like: tuple[int, int] | None = None,
+    srgb: bool = False,
+    max_pixels: int = MAX_PIXELS,
+) -> Float[np.ndarray, "H W"]:
+    """Read a photograph as luminance, to be compared with a gallery.
+
+    Parameters
+    ----------
+    path
+        Its file.
+    mask
+        Pixels that are compared, of the size that it must have.
+    like
+        Rows and columns that the gallery's photographs had before they were resized, if they were:
+        it is resized as they were.
+    srgb
+        Whether values are encoded in sRGB and should be made linear.
+    max_pixels
+        Largest photograph read.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read, has another size, or shows nothing on the mask.
+    """
+    image = read_image(path, srgb=srgb, max_pixels=max_pixels)
+    image = luminance(image) if image.ndim == 3 else image
+    if like is not None:
+        image = resized(path, image, (mask.shape[0], mask.shape[1]), like)
+    if image.shape != mask.shape:
+        raise FileError(
+            f"{path}: has {image.shape[0]} x {image.shape[1]} pixels, the gallery has "
+            f"{mask.shape[0]} x {mask.shape[1]}; resize it, or enroll with its --size"
+        )
+    if not image[mask].any():
+        raise FileError(f"{path}: is all black where faces are; give a photograph with light in it")
+    if np.ptp(image[mask]) == 0:
+        raise FileError(f"{path}: has one value everywhere that faces are; it shows nothing")
+    return image
 
 
 def _alike(shape: tuple[int, ...], size: tuple[int, int]) -> bool:

@@ -6,6 +6,7 @@ from harmface.recognition.answers import (
     margins,
     posteriors,
 )
+from harmface.recognition.blocks import Ranking, merge_top, score_block, score_pairs
 from harmface.recognition.classifier import SubjectClassifier
 from harmface.recognition.distance import Distance
 from harmface.recognition.gallery import Gallery, Photographs
@@ -48,6 +49,7 @@ __all__ = [
     "Likelihoods",
     "LocalDistance",
     "Photographs",
+    "Ranking",
     "RobustDistance",
     "SubjectClassifier",
     "SubspaceDistance",
@@ -69,6 +71,7 @@ __all__ = [
     "log_intensity",
     "low_dimensional_cone",
     "margins",
+    "merge_top",
     "nearest_lights",
     "nine_points",
     "non_negative_distances",
@@ -80,6 +83,8 @@ __all__ = [
     "posteriors",
     "robust_distances",
     "scaled_normals",
+    "score_block",
+    "score_pairs",
     "specular_images",
     "subject_highlights",
     "subject_images",

@@ -1,6 +1,9 @@
 """Linear subspaces of images and the distance of an image to them."""
 
+from typing import Any
+
 import numpy as np
+from array_api_compat import array_namespace
 from jaxtyping import Float
 
 from harmface import checks
@@ -79,10 +82,29 @@ def subspace_distances(
         On NaN, an all-black probe, or probes of another size than the bases.
     """
     bases = checks.finite("bases", bases)
-    subjects, dimension, pixels = bases.shape
-    probes = checked_probes(probes, pixels)
+    probes = checked_probes(probes, bases.shape[-1])
     squared = np.einsum("np,np->n", probes, probes)
-    bases = bases.astype(probes.dtype, copy=False)
-    inside = (probes @ bases.reshape(-1, pixels).T).reshape(-1, subjects, dimension)
-    captured = np.einsum("nsd,nsd->ns", inside, inside) / squared[:, None]
-    return np.sqrt(np.maximum(1 - captured, 0))
+    inside = captured(probes, bases.astype(probes.dtype, copy=False)) / squared[:, None]
+    return np.sqrt(np.maximum(1 - inside, 0))
+
+
+def captured(probes: Any, bases: Any) -> Any:
+    """Return the squared norm of what every subspace holds of every probe, by one product.
+
+    Parameters
+    ----------
+    probes
+        Rows of pixels, (n, p), of any library that follows the array API.
+    bases
+        Orthonormal rows of each subject, (N, d, p), of the same.
+
+    Returns
+    -------
+    Array
+        Shape (n, N).
+    """
+    xp = array_namespace(probes, bases)
+    subjects, dimension, pixels = bases.shape
+    inside = probes @ xp.reshape(bases, (subjects * dimension, pixels)).T
+    inside = xp.reshape(inside, (probes.shape[0], subjects, dimension))
+    return xp.linalg.vecdot(inside, inside)

@@ -10,8 +10,9 @@ References
    Dynamic, Low-Frequency Lighting Environments, SIGGRAPH 2002.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -43,8 +44,10 @@ MOST_BOUNCES = 1000
 """A bounce that still adds something here has lost less than 1 % of the light of the one before."""
 
 Arrays = Mapping[str, np.ndarray]
-Keep = Callable[[str, Callable[[], Arrays]], Arrays]
-"""Returns what a part of a long job, known by its name, makes: anew, or from where it was kept."""
+Points = tuple[np.ndarray, np.ndarray]
+Keep = Callable[[Callable[[Points], Arrays], Mapping[str, Points]], Iterable[Arrays]]
+"""Returns what a function makes of the parts of a long job, known by their names, in their order:
+anew, wherever, or from where it was kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +82,7 @@ def transfer(
     samples: int = SAMPLES,
     rng: np.random.Generator | int = 0,
     progress: Callable[[float], None] = lambda done: None,
-    keep: Keep = lambda name, make: make(),
+    keep: Keep = lambda make, parts: map(make, parts.values()),
 ) -> Transfer:
     """Return the transfer of light to the vertices of a mesh, or to what a camera sees of it.
 
@@ -110,7 +113,8 @@ def transfer(
     progress
         Told the fraction done.
     keep
-        Asked for each part by its name: a caller who stores them can go on after a stop.
+        Asked for all parts by their names: a caller who stores them can go on after a stop, and one
+        who has many processes can share them out.
 
     Returns
     -------
@@ -257,13 +261,12 @@ class _Parts:
     ) -> _Gathered:
         from scipy.sparse import csr_array, vstack
 
+        blocks = _blocks(len(points), self.pairs.size // 3)
+        make = partial(_block, self.mesh, self.degree, self.pairs, self.bounces)
+        named = {f"{name} {some.start}": (points[some], normals[some]) for some in blocks}
         parts = []
-        for some in _blocks(len(points), self.pairs.size // 3):
-
-            def make(some: slice = some) -> Arrays:
-                return self._block(points[some], normals[some])
-
-            parts.append(self.keep(f"{name} {some.start}", make))
+        for some, part in zip(blocks, self.keep(make, named), strict=True):
+            parts.append(part)
             progress(some.stop / len(points))
         direct = np.concatenate([part["direct"] for part in parts], axis=1)
         errors = np.concatenate([part["errors"] for part in parts], axis=1)
@@ -280,29 +283,34 @@ class _Parts:
             )
         return _Gathered(direct, errors, exchange, int(stopped), int(backs))
 
-    def _block(self, points: Float[np.ndarray, "N 3"], normals: Float[np.ndarray, "N 3"]) -> Arrays:
-        directions = self.pairs.reshape(-1, 3)
-        solid_angle = 4 * np.pi / len(directions)
-        hidden = clamped_cosines(normals, directions).astype(np.float32)
-        arrays: dict[str, np.ndarray] = {"counts": np.zeros(2, int)}
-        if self.bounces:
-            stops = blocked(self.mesh, points, normals, directions)
-            weights = hidden[stops.direction, stops.point] * np.float32(solid_angle / np.pi)
-            held = np.zeros(hidden.shape, bool)
-            held[stops.direction, stops.point] = True
-            hidden *= held
-            arrays = _exchange(self.mesh, len(points), stops, weights)
-        else:
-            hidden *= ~visible(self.mesh, points, normals, directions)
-        basis = real_harmonics(directions, self.degree).astype(np.float32)
-        open_sky = real_harmonics(normals.astype(np.float64), self.degree)
-        open_sky *= lambert_per_coefficient(self.degree)[:, None]
-        arrays["direct"] = open_sky - solid_angle * (basis @ hidden)
-        # The sum over the pairs of the squared difference of the two.
-        first, second = hidden[::2], hidden[1::2]
-        spread = basis**2 @ hidden**2 - 2 * (basis[:, ::2] * basis[:, 1::2]) @ (first * second)
-        arrays["errors"] = solid_angle * np.sqrt(np.maximum(spread, 0))
-        return arrays
+
+def _block(
+    mesh: Mesh, degree: int, pairs: Float[np.ndarray, "S 2 3"], bounces: bool, some: Points
+) -> Arrays:
+    """Return what rays from some points find; it depends on nothing else."""
+    points, normals = some
+    directions = pairs.reshape(-1, 3)
+    solid_angle = 4 * np.pi / len(directions)
+    hidden = clamped_cosines(normals, directions).astype(np.float32)
+    arrays: dict[str, np.ndarray] = {"counts": np.zeros(2, int)}
+    if bounces:
+        stops = blocked(mesh, points, normals, directions)
+        weights = hidden[stops.direction, stops.point] * np.float32(solid_angle / np.pi)
+        held = np.zeros(hidden.shape, bool)
+        held[stops.direction, stops.point] = True
+        hidden *= held
+        arrays = _exchange(mesh, len(points), stops, weights)
+    else:
+        hidden *= ~visible(mesh, points, normals, directions)
+    basis = real_harmonics(directions, degree).astype(np.float32)
+    open_sky = real_harmonics(normals.astype(np.float64), degree)
+    open_sky *= lambert_per_coefficient(degree)[:, None]
+    arrays["direct"] = open_sky - solid_angle * (basis @ hidden)
+    # The sum over the pairs of the squared difference of the two.
+    first, second = hidden[::2], hidden[1::2]
+    spread = basis**2 @ hidden**2 - 2 * (basis[:, ::2] * basis[:, 1::2]) @ (first * second)
+    arrays["errors"] = solid_angle * np.sqrt(np.maximum(spread, 0))
+    return arrays
 
 
 def _exchange(

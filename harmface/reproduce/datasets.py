@@ -7,15 +7,14 @@ that was killed redoes only the subjects without one. The manifest comes last.
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from threading import Thread
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -28,12 +27,13 @@ from harmface import checks
 from harmface.conventions import luminance
 from harmface.errors import ArgumentError, FileError, HarmfaceError
 from harmface.geometry import frame_orthographic, gbuffer
-from harmface.io import atomic_write, claim, write_image, write_npz, write_ply
-from harmface.io.datasets import MANIFEST, VERSION
-from harmface.io.folders import make_folder
+from harmface.io import write_image, write_npz, write_ply
+from harmface.io.datasets import VERSION
+from harmface.io.folders import MANIFEST, job_folder, write_json
 from harmface.light import EnvironmentMap
 from harmface.rendering import box_average, render
 from harmface.reproduce.synthetic import Progress, light_of, mesh_of, subject_seed
+from harmface.scale import Engine
 
 LIGHTINGS = ("yale64", "ninepoints", "mixed", "environments")
 MIXTURES = 16
@@ -45,7 +45,6 @@ BRIGHTEST = 0.9
 """Where the exposure puts an image's brightest pixel, as a share of white."""
 
 RECORD = "record.json"
-REQUEST = "request.json"
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,11 @@ class Request:
 
 
 def make_dataset(
-    folder: Path, request: Request, progress: Progress = lambda done: None, workers: int = 2
+    folder: Path,
+    request: Request,
+    progress: Progress = lambda done: None,
+    workers: int = 2,
+    engine: Engine | None = None,
 ) -> None:
     """Render a data set, or finish one that was stopped.
 
@@ -112,20 +115,24 @@ def make_dataset(
         Told how much is done.
     workers
         Processes that render.
+    engine
+        Where to render instead, such as on a cluster, all of which must see the folder.
 
     Raises
     ------
     FileError
         If the folder is another's, or cannot be written to.
     """
-    make_folder(folder)
-    with claim(folder):
-        _begin(folder, request, make_folder(folder))
-        names = [f"subject_{number:04d}" for number in range(request.identities)]
+    with job_folder(folder, asdict(request)):
+        names = [_name(number) for number in range(request.identities)]
         missing = [n for n, name in enumerate(names) if not (folder / name / RECORD).exists()]
         done = len(names) - len(missing)
         if not (folder / MANIFEST).exists():
-            for _ in _rendered(folder, request, missing, names, workers):
+            if engine is None:
+                rendered = _rendered(folder, request, missing, workers)
+            else:
+                rendered = engine.each(partial(_numbered, folder.absolute(), request), missing)
+            for _ in rendered:
                 done += 1
                 progress(done / len(names))
             records = [json.loads((folder / name / RECORD).read_text()) for name in names]
@@ -135,53 +142,34 @@ def make_dataset(
                 "request": asdict(request),
                 "subjects": records,
             }
-            _write_json(folder / MANIFEST, manifest)
+            write_json(folder / MANIFEST, manifest)
         # The manifest holds all of it; a kill between the two steps leaves work for the next run.
         for name in names:
             (folder / name / RECORD).unlink(missing_ok=True)
-        (folder / REQUEST).unlink(missing_ok=True)
 
 
-def _begin(folder: Path, request: Request, entries: list[str]) -> None:
-    """Write the request down, or make sure that what the folder holds is of the same one."""
-    started = next((name for name in (MANIFEST, REQUEST) if name in entries), None)
-    if started is None:
-        if entries:
-            raise FileError(
-                f"{folder}: holds other files ({entries[0]}); give an empty or a new folder"
-            )
-        _write_json(folder / REQUEST, {"request": asdict(request)})
-        return
-    try:
-        found = json.loads((folder / started).read_text())["request"]
-    except (KeyError, RecursionError, TypeError, ValueError):
-        found = None
-    if found != asdict(request):
-        raise FileError(
-            f"{folder}: holds another data set; give a new folder, or the options it was made with"
-        )
+def _name(number: int) -> str:
+    return f"subject_{number:04d}"
 
 
-def _rendered(
-    folder: Path, request: Request, missing: list[int], names: list[str], workers: int
-) -> Iterator[int]:
+def _numbered(folder: Path, request: Request, number: int) -> int:
+    render_subject(folder / _name(number), request, number)
+    return number
+
+
+def _rendered(folder: Path, request: Request, missing: list[int], workers: int) -> Iterator[int]:
     """Render subjects in parallel; yield each as it is finished."""
     if workers == 1 or len(missing) < 2:
         for number in missing:
-            render_subject(folder / names[number], request, number)
-            yield number
+            yield _numbered(folder, request, number)
         return
     # Spawned processes share no state with this one, whatever threads it runs.
     context = get_context("spawn")
     with ProcessPoolExecutor(workers, context, _exit_with_parent) as pool:
-        jobs = {
-            pool.submit(render_subject, folder / names[number], request, number): number
-            for number in missing
-        }
+        jobs = [pool.submit(_numbered, folder, request, number) for number in missing]
         try:
             for job in as_completed(jobs):
-                job.result()
-                yield jobs[job]
+                yield job.result()
         except BrokenProcessPool:
             raise HarmfaceError(
                 f"{folder}: a process that renders it has ended, as happens when memory runs out; "
@@ -279,7 +267,7 @@ def _render_subject(folder: Path, request: Request, number: int) -> None:
             for k, (name, label) in enumerate(zip(files, lights.labels, strict=True))
         ],
     }
-    _write_json(folder / RECORD, record)
+    write_json(folder / RECORD, record)
 
 
 def _lights(name: str, rng: np.random.Generator) -> Lights:
@@ -317,8 +305,3 @@ def _sparse(weights: np.ndarray) -> dict[str, list[float] | list[int]]:
     """Return the lights that are on, by their number."""
     on = np.flatnonzero(weights)
     return {"direction": on.tolist(), "value": weights[on].tolist()}
-
-
-def _write_json(path: Path, content: Mapping[str, Any]) -> None:
-    with atomic_write(path) as file:
-        file.write(json.dumps(content, indent=1).encode() + b"\n")

@@ -17,7 +17,7 @@ LIBRARY = [
     for path in [*(ROOT / "harmface").rglob("*.py"), *(ROOT / "data_synth").rglob("*.py")]
     if "cli" not in path.parts
 ]
-HEAVY = ("pyvista", "matplotlib", "cv2", "sklearn", "trimesh")
+HEAVY = ("pyvista", "matplotlib", "cv2", "sklearn", "trimesh", "dask", "distributed", "zarr")
 
 
 def loaded_after(statement: str) -> set[str]:

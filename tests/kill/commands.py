@@ -22,6 +22,8 @@ COMMANDS = {
     "align": "align people --points eyes.csv --size 8x7 --out out",
     "enroll meshes": "enroll ball.ply --size 16 --out g.npz",
     "enroll photographs": "enroll people --method nearest --out g.npz",
+    "enroll store": "enroll people --method subspace --out g.zarr",
+    "envmap project": "envmap project skies --out out",
     "recognize": "recognize people.npz people/a/0.png --figure why.png",
     "pca": "pca ball.ply --size 16 --figure modes.png",
     "envmap irradiance": "envmap irradiance sky.hdr --size 8 --out i.hdr",
@@ -50,6 +52,9 @@ def prepare(folder: Path) -> None:
 
     rng = np.random.default_rng(0)
     write_environment_map(folder / "sky.hdr", rng.random((8, 16, 3), np.float32))
+    (folder / "skies").mkdir()
+    for name in "ab":
+        write_environment_map(folder / "skies" / f"{name}.hdr", rng.random((8, 16, 3), np.float32))
     write_coefficients(folder / "nine.json", np.eye(3, 9) + np.eye(1, 9))
     # A fan of triangles over a disc, bent to half a ball.
     angles = np.linspace(0, 2 * np.pi, 24, endpoint=False)

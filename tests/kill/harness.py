@@ -119,7 +119,8 @@ def _fresh(folder: Path) -> Path:
 def _sound(name: str, data: bytes, whole: Tree) -> bool:
     """Return whether a file that a killed command left is one of the whole, or not in the way."""
     path = Path(name)
-    if path.name.startswith(HIDDEN) or path.name in UNREPEATABLE:
+    # Zarr has a temporary name of its own.
+    if path.name.startswith(HIDDEN) or path.suffix == ".partial" or path.name in UNREPEATABLE:
         return True
     if name in whole:
         return data == whole[name]

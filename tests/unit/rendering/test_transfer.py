@@ -166,14 +166,14 @@ def test_parts_are_kept_and_used_again():
     mesh = bowl(0.5, 16)
     kept = {}
 
-    def keep(name, make):
-        if name not in kept:
-            kept[name] = make()
-        return kept[name]
+    def keep(make, parts):
+        for name, points in parts.items():
+            kept[name] = make(points)
+            yield kept[name]
 
     first = transfer(mesh, 2, bounces=1, samples=4096, keep=keep)
     assert len(kept) > 1
-    again = transfer(mesh, 2, bounces=1, samples=4096, keep=lambda name, make: kept[name])
+    again = transfer(mesh, 2, bounces=1, samples=4096, keep=lambda _, parts: map(kept.get, parts))
     assert np.array_equal(first.coefficients, again.coefficients)
 
 
