@@ -20,6 +20,10 @@ DEGREE, DIRECTIONS = 4, 1024
 MANY = 8
 """Probes of the comparison, as in AKDS04 figure 7."""
 
+CANDIDATES = 120
+"""Places, the middle and some vertices, of which those are taken that tell the light at all of them
+best."""
+
 BRIGHTEST = 0.95
 """Where exposure puts the 99.5th percentile of the reference, as a share of white."""
 
@@ -29,7 +33,10 @@ def nearlight(
     mesh: MeshArgument,
     scene: Annotated[Path, typer.Option(help="TOML file of lamps, see `harmface synth scene`.")],
     out: Annotated[Path, typer.Option(help="PNG file to write.")],
-    samples: Annotated[int, typer.Option(help="Points that the light is sampled at.")] = 1,
+    samples: Annotated[
+        int,
+        typer.Option(help="Points that the light is taken from: of many, those that err least."),
+    ] = 1,
     gradient: Annotated[
         bool, typer.Option(help="Carry samples to other points by their gradients.")
     ] = True,
@@ -56,7 +63,6 @@ def nearlight(
     """
     from harmface.geometry import frame_orthographic, gbuffer, vertex_weights
     from harmface.io import read_scene, write_image
-    from harmface.light import farthest_points
     from harmface.rendering import box_average, probes, sampled_light, transfer
 
     checks.positive_integer("--samples", samples)
@@ -66,7 +72,9 @@ def nearlight(
     surface = mesh_reading.load(mesh)
     lamps = read_scene(scene, surface)
     _check_apart(surface, lamps)
-    places = farthest_points(surface.vertices, max(samples, MANY if figure else 1))
+    # Vertices as they come: where there are many the light matters most.
+    step = max(1, len(surface.vertices) // max(CANDIDATES, samples))
+    places = np.vstack([surface.vertices.mean(axis=0), surface.vertices[::step]])
     found = probes(lamps, places, DEGREE)
     with progress("casting shadows") as report:
         received = transfer(surface, DEGREE, samples=DIRECTIONS, progress=report).coefficients
@@ -79,7 +87,7 @@ def nearlight(
         return box_average(np.moveaxis(pixels * view.albedo, -1, 0), 2)
 
     def approximate(count: int, with_gradient: bool) -> np.ndarray:
-        some = type(found)(places[:count], found.coefficients[:count], found.gradients[:count])
+        some = found.thinned(count, exponent=exponent)
         return some.at(surface.vertices, gradient=with_gradient, exponent=exponent)
 
     wanted = image(approximate(samples, gradient))

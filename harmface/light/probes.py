@@ -116,6 +116,49 @@ class Probes:
             result += np.tensordot(steps, slopes.reshape(-1, *slopes.shape[2:]), axes=1)
         return result
 
+    def thinned(self, count: int, *, exponent: float = EXPONENT) -> "Probes":
+        """Return the few probes that tell the light at the places of all best, the best first.
+
+        Each new one is that with which the squared error of `at`, over all places, becomes least:
+        the first ones of a longer choice are a shorter choice.
+
+        Parameters
+        ----------
+        count
+            How many, at most all.
+        exponent
+            Of the distance, as for `at`.
+
+        Returns
+        -------
+        Probes
+            Some of these.
+
+        Raises
+        ------
+        ArgumentError
+            If the count is not from 1 to the number of probes, or the exponent not positive.
+        """
+        if checks.positive_integer("count", count) > len(self.positions):
+            raise ArgumentError(
+                f"count must be at most the {len(self.positions)} probes there are, got {count}"
+            )
+        chosen: list[int] = []
+        for _ in range(count):
+            others = [i for i in range(len(self.positions)) if i not in chosen]
+            errors = [
+                np.square(
+                    self._some([*chosen, i]).at(self.positions, exponent=exponent)
+                    - self.coefficients
+                ).sum()
+                for i in others
+            ]
+            chosen.append(others[int(np.argmin(errors))])
+        return self._some(chosen)
+
+    def _some(self, which: list[int]) -> "Probes":
+        return Probes(self.positions[which], self.coefficients[which], self.gradients[which])
+
 
 def inverse_distance_weights(
     distances: Float[np.ndarray, "N P"], exponent: float

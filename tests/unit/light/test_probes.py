@@ -89,6 +89,23 @@ def test_farthest_points_spread(rng):
     assert gaps.min() >= covered
 
 
+def test_thinned_probes_are_those_that_err_least_everywhere(rng):
+    found = LAMP.probes(rng.uniform(-1, 1, (12, 3)), 2)
+
+    def error(which):
+        some = Probes(found.positions[which], found.coefficients[which], found.gradients[which])
+        return np.square(some.at(found.positions) - found.coefficients).sum()
+
+    first, pair = (found.thinned(count).positions for count in (1, 2))
+    best = min(range(12), key=lambda i: error([i]))
+    assert np.array_equal(first, found.positions[[best]])
+    assert np.array_equal(pair[:1], first)
+    next_best = min((i for i in range(12) if i != best), key=lambda i: error([best, i]))
+    assert np.array_equal(pair[1], found.positions[next_best])
+    everywhere = found.thinned(12)
+    np.testing.assert_allclose(everywhere.at(found.positions), found.coefficients, rtol=1e-12)
+
+
 def test_nonsense_is_refused(unchecked):
     one = LAMP.probes(np.zeros((1, 3)), 1)
     for match, call in {
@@ -99,6 +116,7 @@ def test_nonsense_is_refused(unchecked):
         "gradients must have shape": lambda: ProbeGrid(
             np.zeros(3), np.ones(3), np.ones((2, 2, 2, 4)), np.ones((2, 2, 2, 4))
         ),
+        "count must be at most the 1 probes": lambda: one.thinned(2),
         "count must be 1": lambda: farthest_points(np.zeros((2, 3)), 0),
     }.items():
         with pytest.raises(ArgumentError, match=match):
