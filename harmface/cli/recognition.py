@@ -95,14 +95,13 @@ def enroll(
     from procedural heads, rendered once and kept, or from --learn-from. Of more whose names tell
     the light, as of Extended Yale B, surfaces are recovered and shown under nine lights more.
 
-    A gallery NAME.zarr need not fit in memory. It holds subspaces: method subspace (best, of
-    photographs), 25d (best, of meshes), 3d, 4d, 9d or 16d.
+    A gallery NAME.zarr, of subspaces, need not fit in memory.
 
     Example: harmface enroll faces --size 64 --out gallery.npz
 
     Example: harmface enroll Yale --gallery subset1 --size 48x42 --out people.npz
 
-    Example: harmface enroll heads --method 9d --workers 2 --out big.zarr
+    Example: harmface enroll heads --method 9d --out big.zarr
     """
     from harmface.io import write_gallery
     from harmface.recognition import distance_named

@@ -3,6 +3,11 @@
 The camera and the lamps stand still; the object turns and moves. A view is known by the matrix that
 projects points of the object to pixels, and by the rotation that turns the object's directions into
 those of the camera, where the light is fixed.
+
+References
+----------
+.. [HZ04] Hartley and Zisserman, Multiple View Geometry in Computer Vision, 2nd edition, 2004,
+   sections 6.2 and 6.3.
 """
 
 from dataclasses import dataclass
@@ -199,9 +204,9 @@ def views_from_poses(
 def views_from_cameras(matrices: Float[np.ndarray, "..."]) -> tuple[Views, bool]:
     """Return the views of camera matrices, each the projection of the object in one frame.
 
-    A matrix is `K [R | t]` up to a factor ([HZ]_ 6.2.4), or one of parallel rays. The origin of the
-    object is taken to lie before the cameras, which fixes the sign. If the object's coordinates are
-    left-handed their z axis is turned over.
+    A matrix is `K [R | t]` up to a factor ([HZ04]_ 6.2.4), or one of parallel rays. The origin of
+    the object is taken to lie before the cameras, which fixes the sign. If the object's coordinates
+    are left-handed their z axis is turned over.
 
     Parameters
     ----------
@@ -217,10 +222,6 @@ def views_from_cameras(matrices: Float[np.ndarray, "..."]) -> tuple[Views, bool]
     ------
     ArgumentError
         If the shape is another, a value is not finite, or a matrix is no camera.
-
-    References
-    ----------
-    .. [HZ] Hartley and Zisserman, Multiple View Geometry in Computer Vision, 2nd edition, 2004.
     """
     matrices = checks.finite("cameras", matrices).astype(np.float64)
     if matrices.ndim != 3 or matrices.shape[1:] != (3, 4):

@@ -79,12 +79,17 @@ def subspace_distances(
     Raises
     ------
     ArgumentError
-        On NaN, an all-black probe, or probes of another size than the bases.
+        On NaN, an all-black probe, probes of another size than the bases, or bases whose squares
+        overflow.
     """
     bases = checks.finite("bases", bases)
     probes = checked_probes(probes, bases.shape[-1])
     squared = np.einsum("np,np->n", probes, probes)
-    inside = captured(probes, bases.astype(probes.dtype, copy=False)) / squared[:, None]
+    try:
+        with np.errstate(over="raise"):
+            inside = captured(probes, bases.astype(probes.dtype, copy=False)) / squared[:, None]
+    except FloatingPointError:
+        raise ArgumentError("bases must be orthonormal, got rows too large for that") from None
     return np.sqrt(np.maximum(1 - inside, 0))
 
 

@@ -13,7 +13,7 @@ from harmface.stereo import angular_errors
 
 TWO_AXES = "yaw:-30:30,pitch:-10:10"
 ONE_AXIS = "yaw:-60:60"
-POINTS, FRAMES = 400, 60
+POINTS, FRAMES = 100, 30
 HEAD, SIZE, HEAD_FRAMES = 4, 96, 30
 
 

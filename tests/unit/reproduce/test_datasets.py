@@ -129,7 +129,7 @@ def test_other_folders_are_refused(made, tmp_path):
     (tmp_path / "mine" / "thesis.tex").write_text("precious")
     with pytest.raises(FileError, match=r"holds other files \(thesis.tex\)"):
         make_dataset(tmp_path / "mine", SMALL)
-    with pytest.raises(FileError, match="another data set"):
+    with pytest.raises(FileError, match="other results"):
         make_dataset(made, Request(3, "ninepoints", size=24, seed=3))
     (tmp_path / "file").write_text("")
     with pytest.raises(FileError, match="cannot be used as a folder"):
