@@ -124,6 +124,11 @@ def score_pairs(
     first
         Number of the block's first subject.
 
+    Returns
+    -------
+    Ranking
+        As of `score_block`.
+
     Raises
     ------
     ArgumentError
@@ -140,6 +145,16 @@ def score_pairs(
 
 def merge_top(one: Ranking, other: Ranking) -> Ranking:
     """Return the nearest of two rankings of the same probes; grouping and order do not matter.
+
+    Parameters
+    ----------
+    one, other
+        Of the same probes, of as many subjects each.
+
+    Returns
+    -------
+    Ranking
+        Of as many subjects.
 
     Raises
     ------
