@@ -36,7 +36,8 @@ def film_figure(frames: Float[np.ndarray, "F H W"], views: Views, found: FilmSur
     """
     white = np.percentile(frames[:, found.mask], 99) or 1
     panels: dict[str, np.ndarray] = {}
-    for number in np.linspace(0, len(frames) - 1, SAMPLES - 1).astype(int):
+    # Not the first and the last: a turn to and fro begins and ends alike.
+    for number in np.linspace(0, len(frames) - 1, SAMPLES + 1)[1:-1].astype(int):
         panels[f"frame {number + 1}"] = (frames[number] / white) ** (1 / 2.2)
     panels["albedo"] = found.albedo
     turned: Mesh = found.mesh.rotated(views.rotations[found.frame])
