@@ -171,12 +171,6 @@ class GGX(Microfacet):
         return 2 / (hidden[0] + hidden[1])
 
 
-def _gaussian_slopes(cosine: np.ndarray, roughness: float) -> np.ndarray:
-    """Return Beckmann's `exp(-tan^2 / a^2) / (pi a^2 c^4)` ([CT82]_ eq. 5)."""
-    square = np.maximum(cosine, 1e-6) ** 2
-    return np.exp((1 - 1 / square) / roughness**2) / (math.pi * roughness**2 * square**2)
-
-
 @dataclass(frozen=True)
 class Beckmann(Microfacet):
     """Normally distributed slopes with Smith's masking, [WMLT07]_ eq. 25, [H14]_ eq. 99.
@@ -188,7 +182,7 @@ class Beckmann(Microfacet):
     """
 
     def distribution(self, cosine: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-        """Return Beckmann's distribution, see `Microfacet`.
+        """Return `exp(-tan^2 / a^2) / (pi a^2 c^4)`, [CT82]_ eq. 5, see `Microfacet`.
 
         Parameters
         ----------
@@ -200,7 +194,9 @@ class Beckmann(Microfacet):
         numpy.ndarray
             Density per steradian, of the shape of `cosine`.
         """
-        return _gaussian_slopes(cosine, self.roughness)
+        square = np.maximum(cosine, 1e-6) ** 2
+        slopes = np.exp((1 - 1 / square) / self.roughness**2)
+        return slopes / (math.pi * self.roughness**2 * square**2)
 
     def masking(
         self, incoming: np.ndarray, outgoing: np.ndarray, half: np.ndarray
@@ -228,29 +224,14 @@ class Beckmann(Microfacet):
 
 
 @dataclass(frozen=True)
-class TorranceSparrow(Microfacet):
-    """Normally distributed slopes masked in symmetric grooves, [TS67]_, [CT82]_ eq. 2-4.
+class TorranceSparrow(Beckmann):
+    """Beckmann's distribution of facets, masked in symmetric grooves, [TS67]_, [CT82]_ eq. 2-4.
 
     Parameters
     ----------
     roughness, reflectance
         See `Microfacet`.
     """
-
-    def distribution(self, cosine: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-        """Return Beckmann's distribution, see `Microfacet`.
-
-        Parameters
-        ----------
-        cosine
-            Of the angle between facet and surface.
-
-        Returns
-        -------
-        numpy.ndarray
-            Density per steradian, of the shape of `cosine`.
-        """
-        return _gaussian_slopes(cosine, self.roughness)
 
     def masking(
         self, incoming: np.ndarray, outgoing: np.ndarray, half: np.ndarray
