@@ -1,4 +1,4 @@
-"""One line draws any result of the package: `viz.plot(result)`."""
+"""One line draws a result: `viz.plot(result)`; `plot` names the kinds that it knows."""
 
 from collections.abc import Mapping
 from functools import singledispatch
